@@ -1,0 +1,1 @@
+"""Built-in plugins of railsearch, registered through the same hooks as any other."""

@@ -1,0 +1,1 @@
+"""Array kernels shared by all track models: beam elements, assembly, moving contact, time integration."""

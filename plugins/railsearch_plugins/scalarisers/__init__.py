@@ -1,0 +1,1 @@
+"""Scalarisers: many objectives into one."""

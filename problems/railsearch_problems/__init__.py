@@ -1,0 +1,1 @@
+"""Design problems that come with railsearch."""

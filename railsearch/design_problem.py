@@ -1,0 +1,147 @@
+"""Design problems: pymoo `Problem`s whose variables and results have names and units."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from pymoo.core.problem import Problem
+from pymoo.core.variable import Integer, Real
+
+from railsearch.errors import InputError
+from railsearch.interfaces import Host, Outcome, Quantity, Scalariser
+from railsearch.space import FloatArray, Space
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+class DesignProblem(Problem):  # type: ignore[misc]
+    """A pymoo problem with a `Space`, named quantities and, if there is one, a reference design.
+
+    A subclass calls `super().__init__` with its description and implements `simulate(design) -> Outcome`. Under plain
+    pymoo, designs come as float vectors (GA, NSGA-II; integers are rounded here) or as dictionaries by name
+    (MixedVariableGA); F, G and the metrics are handed back.
+
+    sections: what a site file may set, {section: frozen parameters dataclass}; `make` receives them validated.
+    """
+
+    available_objectives: ClassVar[Sequence[Quantity]] = ()
+
+    def __init__(
+        self,
+        name: str,
+        space: Space,
+        objectives: Sequence[Quantity],
+        metrics: Sequence[Quantity] = (),
+        reference: FloatArray | None = None,
+        worst: Mapping[str, float] | None = None,
+        n_constraints: int = 0,
+    ) -> None:
+        super().__init__(
+            n_var=space.dimension,
+            n_obj=len(objectives),
+            n_ieq_constr=n_constraints,
+            xl=space.lower,
+            xu=space.upper,
+        )
+        self.name = name
+        self.space = space
+        self.objectives = tuple(objectives)
+        self.metrics = tuple(metrics)
+        self.reference = None if reference is None else space.checked(reference)
+        self.worst = dict(worst or {})
+        self.vars = {
+            variable.name: (Integer if variable.integer else Real)(bounds=(variable.lower, variable.upper))
+            for variable in space.variables
+        }
+
+    @classmethod
+    def sections(cls, host: Host) -> Mapping[str, object]:
+        """The sections of this problem's site file: {name: parameters dataclass instance with the defaults}."""
+        return {}
+
+    @classmethod
+    def make(cls, host: Host, objectives: Sequence[str], sections: Mapping[str, Any]) -> DesignProblem:
+        """The problem with the named objectives (empty: its default ones) for the given sections of a site."""
+        raise NotImplementedError  # pragma: no cover
+
+    @property
+    def label(self) -> str:
+        """Name and objectives, for titles and records."""
+        return f"{self.name} ({', '.join(objective.name for objective in self.objectives)})"
+
+    def simulate(self, design: FloatArray) -> Outcome:
+        """The expensive part: evaluate one design (d,). Any exception counts as a failed evaluation."""
+        raise NotImplementedError  # pragma: no cover
+
+    def finish(self, design: FloatArray, outcome: Outcome) -> Outcome:
+        """The free part, done where the record is kept: what is made of a simulated outcome."""
+        return outcome
+
+    def figures(self, designs: Mapping[str, FloatArray]) -> Mapping[str, Figure]:
+        """Pictures that compare labelled designs (reference and best), by name."""
+        return {}
+
+    def _evaluate(self, X: Any, out: dict[str, Any], *args: object, **kwargs: object) -> None:
+        rows = [[row[name] for name in self.space.names] if isinstance(row, dict) else row for row in X]
+        designs = [self.space.rounded(np.asarray(row, dtype=float)) for row in rows]
+        outcomes = [self.finish(design, self.simulate(design)) for design in designs]
+        out["F"] = np.array([outcome.objectives for outcome in outcomes])
+        if self.n_ieq_constr:
+            out["G"] = np.array([outcome.constraints for outcome in outcomes])
+        for metric in self.metrics:
+            out[metric.name] = np.array([outcome.metrics[metric.name] for outcome in outcomes])
+
+
+class ScalarisedProblem(DesignProblem):
+    """A multi-objective problem made single-objective; the raw objectives stay beside the scalar among the metrics.
+
+    A scalariser that needs the objectives of the reference design gets them from the first outcome at that design,
+    which the run therefore evaluates first; under plain pymoo it is simulated once before anything else.
+    """
+
+    def __init__(self, base: DesignProblem, scalariser_name: str, scalariser: Scalariser) -> None:
+        known = {metric.name for metric in base.metrics}
+        raw = tuple(objective for objective in base.objectives if objective.name not in known)
+        scalar = Quantity(scalariser_name, meaning=f"{scalariser_name} of {', '.join(q.name for q in base.objectives)}")
+        super().__init__(
+            base.name, base.space, [scalar], base.metrics + raw, base.reference, base.worst, base.n_ieq_constr
+        )
+        self.base = base
+        self.scalariser = copy.copy(scalariser)
+
+    @property
+    def label(self) -> str:
+        return f"{self.name} ({self.objectives[0].name} of {', '.join(q.name for q in self.base.objectives)})"
+
+    def simulate(self, design: FloatArray) -> Outcome:
+        """The base problem's outcome, its objectives also among the metrics."""
+        outcome = self.base.simulate(design)
+        raw = {q.name: float(value) for q, value in zip(self.base.objectives, outcome.objectives, strict=True)}
+        return Outcome(outcome.objectives, {**outcome.metrics, **raw}, outcome.constraints)
+
+    def finish(self, design: FloatArray, outcome: Outcome) -> Outcome:
+        """Scalarise the raw objectives of an outcome."""
+        if not self.scalariser.ready:
+            self._prepare(design, outcome)
+        scalar = np.asarray(self.scalariser(outcome.objectives[None, :]), dtype=float)
+        return Outcome(scalar, outcome.metrics, outcome.constraints)
+
+    def figures(self, designs: Mapping[str, FloatArray]) -> Mapping[str, Figure]:
+        return self.base.figures(designs)
+
+    def _prepare(self, design: FloatArray, outcome: Outcome) -> None:
+        if self.reference is None or not np.array_equal(design, self.reference):
+            raise InputError(
+                f"{self.objectives[0].name}: the objectives of the reference design are needed and its evaluation failed or was "
+                "not made first; give the scalariser its aspiration values"
+            )
+        self.scalariser.prepare(outcome.objectives)
+
+    def _evaluate(self, X: Any, out: dict[str, Any], *args: object, **kwargs: object) -> None:
+        if not self.scalariser.ready and self.reference is not None:
+            self.scalariser.prepare(self.simulate(self.reference).objectives)
+        super()._evaluate(X, out, *args, **kwargs)

@@ -1,0 +1,33 @@
+"""The errors that railsearch raises. Their text says what was wrong, where, the value received and the remedy."""
+
+
+class RailsearchError(Exception):
+    """Base of every error that a user can mend; the command line prints it in a line or two and ends with code 2."""
+
+
+class InputError(RailsearchError, ValueError):
+    """A value given by the user is not allowed."""
+
+
+class PluginError(RailsearchError):
+    """A plugin is unknown, broken, misspelt or takes a name that is taken."""
+
+
+class CapabilityError(RailsearchError):
+    """A strategy cannot handle what the problem asks of it."""
+
+
+class BudgetExhausted(RailsearchError):
+    """An evaluation beyond the budget was asked for."""
+
+
+class StorageError(RailsearchError):
+    """The record of a run cannot be written, or belongs to another run."""
+
+
+class SurrogateError(RailsearchError):
+    """A surrogate cannot be fitted to the points it was given."""
+
+
+class SimulationError(RailsearchError):
+    """A simulation diverged or could not be carried out; the evaluation counts as failed."""

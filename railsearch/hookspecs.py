@@ -1,0 +1,41 @@
+"""The hooks, nothing else. Each receives `register(name, plugin)`; a name may be taken once."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pluggy
+
+hookspec = pluggy.HookspecMarker("railsearch")
+hookimpl = pluggy.HookimplMarker("railsearch")
+
+Register = Callable[[str, Any], None]
+
+
+@hookspec
+def railsearch_track_models(register: Register) -> None:
+    """Register classes of the shape `interfaces.TrackModel`."""
+
+
+@hookspec
+def railsearch_surrogates(register: Register) -> None:
+    """Register classes of the shape `interfaces.Surrogate`."""
+
+
+@hookspec
+def railsearch_strategies(register: Register) -> None:
+    """Register classes of the shape `interfaces.Strategy`."""
+
+
+@hookspec
+def railsearch_scalarisers(register: Register) -> None:
+    """Register classes of the shape `interfaces.Scalariser`."""
+
+
+@hookspec
+def railsearch_problems(register: Register) -> None:
+    """Register subclasses of `design_problem.DesignProblem`."""
+
+
+@hookspec
+def railsearch_commands(register: Register) -> None:
+    """Register functions as commands of the command line; typer reads their signature and docstring."""

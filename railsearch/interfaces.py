@@ -1,0 +1,183 @@
+"""What a track model, surrogate, strategy and scalariser is, and the frozen records that flow between them.
+
+A plugin is a class of one of these shapes, registered under a name through a hook (see hookspecs.py). Its nested
+`Parameters` is a frozen dataclass of `parameter(...)` fields (see parameters.py), or `NoParameters`.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railsearch.parameters import NoParameters, parameter
+from railsearch.space import FloatArray, Space, Variable
+
+__all__ = ["NoParameters", "Space", "Variable", "parameter"]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A named result with its unit; `maximised` ones are stored negated and shown with their natural sign."""
+
+    name: str
+    unit: str = ""
+    meaning: str = ""
+    maximised: bool = False
+
+
+@dataclass(frozen=True)
+class Capabilities:
+    """What a strategy can handle; checked against the problem before a run starts."""
+
+    multi_objective: bool = False
+    integers: bool = False
+    constraints: bool = False
+    batch: bool = False
+
+
+@dataclass(frozen=True)
+class Response:
+    """What a track model returns: metrics by name, and histories by name when they were asked for."""
+
+    metrics: Mapping[str, float]
+    histories: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a problem returns for one design: objectives (m,) to be minimised, constraints (k,) ≤ 0, metrics by name."""
+
+    objectives: FloatArray
+    metrics: Mapping[str, float] = field(default_factory=dict)
+    constraints: FloatArray = field(default_factory=lambda: np.empty(0))
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """A design (d,) in native units that a strategy wants evaluated, and how it came about.
+
+    `trajectory` counts the restarts before it: designs of one trajectory share an incumbent.
+    """
+
+    design: FloatArray
+    origin: str
+    trajectory: int = 0
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """One evaluated design. A failed one has NaN objectives (m,) and constraints (k,), and a reason.
+
+    number: place in the record, from 0; duration and overhead: seconds in the evaluation, and in the strategy before it;
+    repeated: the design had been evaluated before, nothing was charged.
+    """
+
+    number: int
+    design: FloatArray
+    objectives: FloatArray
+    constraints: FloatArray
+    metrics: Mapping[str, float]
+    origin: str
+    trajectory: int = 0
+    reason: str = ""
+    duration: float = 0.0
+    overhead: float = 0.0
+    repeated: bool = False
+
+    @property
+    def failed(self) -> bool:
+        return bool(self.reason)
+
+    @property
+    def feasible(self) -> bool:
+        return not self.failed and bool(np.all(self.constraints <= 0.0))
+
+
+class Surrogate(Protocol):
+    """A cheap model of an expensive function on the unit cube [0, 1]^d. Made as `cls(dimension, parameters)`."""
+
+    Parameters: type
+
+    def fit(self, points: FloatArray, values: FloatArray) -> None:
+        """Fit to points (n, d) with values (n,). Raises SurrogateError if they do not determine the model."""
+
+    def add(self, points: FloatArray, values: FloatArray) -> None:
+        """Add points (k, d) with values (k,) to a fitted model."""
+
+    def predict(self, points: FloatArray) -> FloatArray:
+        """Predicted values (k,) at points (k, d)."""
+
+    def gradient(self, points: FloatArray) -> FloatArray:
+        """Derivatives (k, d) of the prediction at points (k, d)."""
+
+
+@dataclass(frozen=True)
+class SearchContext:
+    """All that a strategy is given. `budget` counts every evaluation of the run, the given designs included.
+
+    generator: the strategy's own randomness; initial_generator: for the initial design only; batch_size: how many
+    designs may be proposed at once; surrogate: makes a registered surrogate by name with settings.
+    """
+
+    space: Space
+    n_objectives: int
+    n_constraints: int
+    budget: int
+    batch_size: int
+    generator: np.random.Generator
+    initial_generator: np.random.Generator
+    surrogate: Callable[[str, Mapping[str, object]], Surrogate]
+
+
+class Strategy(Protocol):
+    """Ask and tell on designs in native units. Made as `cls(context, parameters)`; no evaluation happens inside.
+
+    The run evaluates the given designs first and tells them (origin `given`), so `tell` comes before the first `ask`
+    when there are any, and may at any time bring designs that were not asked for, failed ones, and repeated ones.
+    """
+
+    Parameters: type
+    capabilities: Capabilities
+
+    def ask(self) -> Sequence[Proposal]:
+        """One or more designs to evaluate next, inside the bounds, integers whole."""
+
+    def tell(self, evaluations: Sequence[Evaluation]) -> None:
+        """Receive the evaluations of the last proposals, in the order in which they were made."""
+
+
+class TrackModel(Protocol):
+    """A simulation of a vehicle on a track. Made as `cls()`; `metrics` and `histories` describe what it returns."""
+
+    Parameters: type
+    metrics: Sequence[Quantity]
+    histories: Sequence[Quantity]
+
+    def simulate(self, parameters: Any, histories: bool = False) -> Response:
+        """Simulate one passage. Raises InputError for parameters not allowed, SimulationError if it diverges."""
+
+
+class Scalariser(Protocol):
+    """Many objectives into one. Made as `cls(parameters, objectives, worst)`, `worst` being the worst known values by name."""
+
+    Parameters: type
+
+    @property
+    def ready(self) -> bool:
+        """False as long as the objectives of the reference design are needed and unknown."""
+
+    def prepare(self, reference: FloatArray) -> None:
+        """Receive the objectives (m,) of the reference design."""
+
+    def __call__(self, objectives: FloatArray) -> FloatArray:
+        """Scalars (n,) of objectives (n, m)."""
+
+
+class Host(Protocol):
+    """Where plugins get one another by name."""
+
+    def track_model(self, name: str) -> TrackModel: ...
+
+    def surrogate(self, name: str, dimension: int, settings: Mapping[str, object]) -> Surrogate: ...

@@ -1,0 +1,189 @@
+"""Parameters as frozen dataclasses whose fields carry unit, meaning, source and allowed range.
+
+The same description serves validation at the door, `railsearch describe` and the commented site file.
+"""
+
+import dataclasses
+import difflib
+import math
+import types
+import typing
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from railsearch.errors import InputError
+
+P = TypeVar("P")
+
+
+@dataclass(frozen=True)
+class NoParameters:
+    """For plugins that have nothing to set."""
+
+
+@dataclass(frozen=True)
+class Description:
+    """What is known of one parameter: dotted name, default, unit, meaning, source and the allowed values in words."""
+
+    name: str
+    default: object
+    unit: str
+    meaning: str
+    source: str
+    allowed: str
+
+
+def parameter(
+    default: Any,
+    *,
+    meaning: str,
+    unit: str = "",
+    source: str = "",
+    minimum: float | None = None,
+    above: float | None = None,
+    maximum: float | None = None,
+    below: float | None = None,
+    choices: Sequence[object] = (),
+) -> Any:
+    """A dataclass field with its unit, meaning, source and allowed range.
+
+    `minimum` and `maximum` are allowed themselves, `above` and `below` are not; `choices` lists the allowed strings.
+    The range holds for every number of a sequence. A frozen dataclass may stand as the default of a nested group.
+    """
+    metadata = {
+        "unit": unit,
+        "meaning": meaning,
+        "source": source,
+        "minimum": minimum,
+        "above": above,
+        "maximum": maximum,
+        "below": below,
+        "choices": tuple(choices),
+    }
+    return dataclasses.field(default=default, metadata=metadata)
+
+
+def make_parameters(cls: type[P], values: Mapping[str, object], where: str) -> P:
+    """Build the frozen dataclass `cls` from (nested) `values`; `where` names their origin in messages.
+
+    Raises InputError for an unknown name, a wrong type, NaN or infinity, and a value outside the allowed range.
+    """
+    return amend_parameters(cls(), values, where)
+
+
+def amend_parameters(start: P, values: Mapping[str, object], where: str) -> P:
+    """Replace fields of the frozen dataclass `start` by (nested) `values`, checked as in `make_parameters`."""
+    fields = {field.name: field for field in dataclasses.fields(start)}  # type: ignore[arg-type]
+    hints = typing.get_type_hints(type(start))
+    changes = {}
+    for name, value in values.items():
+        if name not in fields:
+            raise InputError(f"{where}: unknown parameter '{name}'{_did_you_mean(name, list(fields))}")
+        current, place = getattr(start, name), f"{where}.{name}"
+        if dataclasses.is_dataclass(current):
+            if not isinstance(value, Mapping):
+                raise InputError(f"{place}: a table of parameters is needed, received {value!r}")
+            changes[name] = amend_parameters(current, value, place)
+        else:
+            changes[name] = _checked(value, hints[name], fields[name].metadata, place)
+    try:
+        return dataclasses.replace(start, **changes)  # type: ignore[type-var]
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from None
+
+
+def describe_parameters(start: object, prefix: str = "") -> Iterator[Description]:
+    """Describe every field of a parameters dataclass instance, nested groups with dotted names."""
+    for field in dataclasses.fields(start):  # type: ignore[arg-type]
+        value, name = getattr(start, field.name), prefix + field.name
+        if dataclasses.is_dataclass(value):
+            yield from describe_parameters(value, name + ".")
+        else:
+            meta = field.metadata
+            yield Description(
+                name, value, meta.get("unit", ""), meta.get("meaning", ""), meta.get("source", ""), allowed_values(meta)
+            )
+
+
+def allowed_values(meta: Mapping[str, Any]) -> str:
+    """The allowed range of a field in words; empty when everything finite is allowed."""
+    if meta.get("choices"):
+        return " or ".join(repr(choice) for choice in meta["choices"])
+    signs = (("minimum", "≥"), ("above", ">"), ("maximum", "≤"), ("below", "<"))
+    return " and ".join(f"{sign} {meta[key]:g}" for key, sign in signs if meta.get(key) is not None)
+
+
+def nested(assignments: Mapping[str, object]) -> dict[str, Any]:
+    """Turn dotted names into nested tables: {'rail.area': 1} becomes {'rail': {'area': 1}}."""
+    tree: dict[str, Any] = {}
+    for name, value in assignments.items():
+        *groups, leaf = name.split(".")
+        branch = tree
+        for group in groups:
+            branch = branch.setdefault(group, {})
+        branch[leaf] = value
+    return tree
+
+
+def _checked(value: object, kind: object, meta: Mapping[str, Any], place: str) -> object:
+    options = typing.get_args(kind) if isinstance(kind, types.UnionType) else (kind,)
+    if value is None and type(None) in options:
+        return None
+    for option in options:
+        if (converted := _converted(value, option)) is not None:
+            _check_range(converted, meta, place)
+            return converted
+    wanted = " or ".join(_in_words(option) for option in options if option is not type(None))
+    raise InputError(f"{place}: {wanted} is needed, received {value!r}")
+
+
+def _converted(value: object, kind: object) -> object:
+    """The value as `kind`, or None if it is not of that kind: 1 passes as float, 1.0 as integer, True as neither."""
+    if typing.get_origin(kind) is tuple:
+        if not isinstance(value, (list, tuple)):
+            return None
+        items = [_converted(item, typing.get_args(kind)[0]) for item in value]
+        return None if None in items else tuple(items)
+    if typing.get_origin(kind) is dict or kind is dict:
+        return dict(value) if isinstance(value, Mapping) else None
+    if kind in (int, float):
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            return None
+        if kind is int and value != int(value if math.isfinite(value) else 0):
+            return None
+        return int(value) if kind is int else float(value)
+    return value if isinstance(value, typing.cast(type, kind)) else None
+
+
+def _check_range(value: object, meta: Mapping[str, Any], place: str) -> None:
+    for item in value if isinstance(value, tuple) else (value,):
+        number = isinstance(item, float | int) and not isinstance(item, bool)
+        if number and not math.isfinite(typing.cast(float, item)):
+            raise InputError(f"{place}: a finite number is needed, received {item!r}")
+        if (number and not _inside(typing.cast(float, item), meta)) or (
+            isinstance(item, str) and meta.get("choices") and item not in meta["choices"]
+        ):
+            raise InputError(f"{place}: allowed is {allowed_values(meta)}, received {item!r} {meta.get('unit', '')}".rstrip())
+
+
+def _inside(number: float, meta: Mapping[str, Any]) -> bool:
+    minimum, above, maximum, below = (meta.get(key) for key in ("minimum", "above", "maximum", "below"))
+    return (
+        (minimum is None or number >= minimum)
+        and (above is None or number > above)
+        and (maximum is None or number <= maximum)
+        and (below is None or number < below)
+    )
+
+
+def _in_words(kind: object) -> str:
+    names = {int: "an integer", float: "a number", str: "a string", bool: "true or false"}
+    if typing.get_origin(kind) is tuple:
+        return "a list"
+    return names.get(typing.cast(type, kind), "a table")
+
+
+def _did_you_mean(name: str, known: Sequence[str]) -> str:
+    close = difflib.get_close_matches(name, known, n=1)
+    return f"; did you mean '{close[0]}'?" if close else f"; allowed are {', '.join(known) or 'none'}"
