@@ -5,6 +5,7 @@ the full track. Here the rail (one rail) and the railpads (per rail seat) are as
 `railpad.reading = "full-track"` halves the pads too.
 """
 
+import math
 from dataclasses import dataclass
 
 from railsearch.parameters import parameter
@@ -29,14 +30,17 @@ class Geometry:
 
     @property
     def crossing_length(self) -> float:
+        """Length of all slabs in m."""
         return self.slab_length * self.slab_count
 
     @property
     def crossing_end(self) -> float:
+        """Position of the second interface in m."""
         return self.approach_length + self.crossing_length
 
     @property
     def departure_length(self) -> float:
+        """Length of the ballast track beyond the crossing in m."""
         return self.total_length - self.crossing_end
 
 
@@ -51,10 +55,12 @@ class Rail:
 
     @property
     def bending_stiffness(self) -> float:
+        """EI in N m²."""
         return self.young_modulus * self.second_moment
 
     @property
     def mass_per_length(self) -> float:
+        """ρA in kg/m."""
         return self.density * self.area
 
 
@@ -115,10 +121,12 @@ class Slab:
 
     @property
     def bending_stiffness(self) -> float:
+        """EI in N m²."""
         return self.young_modulus * self.second_moment
 
     @property
     def mass_per_length(self) -> float:
+        """ρA in kg/m."""
         return self.density * self.area
 
 
@@ -151,7 +159,7 @@ class Vehicle:
         """Static wheel load P in N."""
         if isinstance(self.wheel_load, str):
             return self.gravity * (self.carbody_mass + self.bogie_mass + self.wheelset_mass)
-        return self.wheel_load
+        return float(self.wheel_load)
 
     @property
     def effective_carbody_mass(self) -> float:
@@ -161,7 +169,7 @@ class Vehicle:
     @property
     def contact_stiffness(self) -> float:
         """Linearised Hertz spring k_w = 3/(2G) P^(1/3) in N/m."""
-        return 1.5 / self.hertz_constant * self.static_load ** (1.0 / 3.0)
+        return 1.5 / self.hertz_constant * math.cbrt(self.static_load)
 
 
 @dataclass(frozen=True)
@@ -236,15 +244,15 @@ class Windows:
 class LevelCrossingParameters:
     """A level crossing, its transition zones, the vehicle and its passage."""
 
-    geometry: Geometry = parameter(Geometry(), meaning="lengths")
-    rail: Rail = parameter(Rail(), meaning="rail")
-    railpad: Railpad = parameter(Railpad(), meaning="railpads outside the zone")
-    sleeper: Sleeper = parameter(Sleeper(), meaning="sleepers")
-    ballast: Ballast = parameter(Ballast(), meaning="ballast")
-    strip: Strip = parameter(Strip(), meaning="strip under the embedded rail")
-    slab: Slab = parameter(Slab(), meaning="slabs")
-    vehicle: Vehicle = parameter(Vehicle(), meaning="vehicle")
-    zone: Zone = parameter(Zone(), meaning="design of the transition zone")
-    passage: Passage = parameter(Passage(), meaning="passage")
-    irregularity: Irregularity = parameter(Irregularity(), meaning="track irregularity")
-    windows: Windows = parameter(Windows(), meaning="measuring windows")
+    geometry: Geometry = Geometry()
+    rail: Rail = Rail()
+    railpad: Railpad = Railpad()
+    sleeper: Sleeper = Sleeper()
+    ballast: Ballast = Ballast()
+    strip: Strip = Strip()
+    slab: Slab = Slab()
+    vehicle: Vehicle = Vehicle()
+    zone: Zone = Zone()
+    passage: Passage = Passage()
+    irregularity: Irregularity = Irregularity()
+    windows: Windows = Windows()
