@@ -11,7 +11,7 @@ from pymoo.core.problem import Problem
 from pymoo.core.variable import Integer, Real
 
 from railsearch.errors import InputError
-from railsearch.interfaces import Host, Outcome, Quantity, Scalariser
+from railsearch.interfaces import Evaluation, Host, Outcome, Quantity, Scalariser
 from railsearch.space import FloatArray, Space
 
 if TYPE_CHECKING:
@@ -77,9 +77,20 @@ class DesignProblem(Problem):  # type: ignore[misc]
         """The expensive part: evaluate one design (d,). Any exception counts as a failed evaluation."""
         raise NotImplementedError  # pragma: no cover
 
+    def warm_up(self) -> None:
+        """Do what is done once per process (compilation), so that it counts in nobody's time."""
+
+    @property
+    def simulated(self) -> DesignProblem:
+        """The problem whose objectives `simulate` returns."""
+        return self
+
     def finish(self, design: FloatArray, outcome: Outcome) -> Outcome:
         """The free part, done where the record is kept: what is made of a simulated outcome."""
         return outcome
+
+    def replay(self, evaluation: Evaluation) -> None:
+        """Learn from a stored evaluation what `finish` would have learnt when it was made."""
 
     def figures(self, designs: Mapping[str, FloatArray]) -> Mapping[str, Figure]:
         """Pictures that compare labelled designs (reference and best), by name."""
@@ -123,23 +134,37 @@ class ScalarisedProblem(DesignProblem):
         raw = {q.name: float(value) for q, value in zip(self.base.objectives, outcome.objectives, strict=True)}
         return Outcome(outcome.objectives, {**outcome.metrics, **raw}, outcome.constraints)
 
+    def warm_up(self) -> None:
+        """Warm the base problem up."""
+        self.base.warm_up()
+
+    @property
+    def simulated(self) -> DesignProblem:
+        """The base problem."""
+        return self.base
+
     def finish(self, design: FloatArray, outcome: Outcome) -> Outcome:
         """Scalarise the raw objectives of an outcome."""
-        if not self.scalariser.ready:
-            self._prepare(design, outcome)
+        self._prepare(design, outcome.objectives)
         scalar = np.asarray(self.scalariser(outcome.objectives[None, :]), dtype=float)
         return Outcome(scalar, outcome.metrics, outcome.constraints)
 
     def figures(self, designs: Mapping[str, FloatArray]) -> Mapping[str, Figure]:
         return self.base.figures(designs)
 
-    def _prepare(self, design: FloatArray, outcome: Outcome) -> None:
+    def replay(self, evaluation: Evaluation) -> None:
+        """Prepare the scalariser from the stored raw objectives."""
+        self._prepare(evaluation.design, np.array([evaluation.metrics[q.name] for q in self.base.objectives]))
+
+    def _prepare(self, design: FloatArray, raw: FloatArray) -> None:
+        if self.scalariser.ready:
+            return
         if self.reference is None or not np.array_equal(design, self.reference):
             raise InputError(
-                f"{self.objectives[0].name}: the objectives of the reference design are needed and its evaluation failed or was "
-                "not made first; give the scalariser its aspiration values"
+                f"{self.objectives[0].name}: the objectives of the reference design are needed, and its evaluation failed or "
+                "was not made first; give the scalariser its aspiration values"
             )
-        self.scalariser.prepare(outcome.objectives)
+        self.scalariser.prepare(raw)
 
     def _evaluate(self, X: Any, out: dict[str, Any], *args: object, **kwargs: object) -> None:
         if not self.scalariser.ready and self.reference is not None:

@@ -1,0 +1,208 @@
+"""One seeded loop: ask, evaluate, tell, until the budget ends.
+
+A continued run is a replay: the strategy starts from its seed, asks again, and is told the stored results in their order,
+with no evaluation spent, until the record ends.
+"""
+
+import functools
+import time
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass, field
+from typing import Protocol, cast
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from railsearch.budget import BudgetedEvaluator
+from railsearch.design_problem import DesignProblem
+from railsearch.errors import BudgetExhausted, CapabilityError, InputError
+from railsearch.indicators import non_dominated
+from railsearch.interfaces import Capabilities, Evaluation, Proposal, SearchContext, Strategy
+from railsearch.parameters import make_parameters
+from railsearch.plugin_manager import Registry
+from railsearch.seeding import run_generators
+from railsearch.simulation import simulator
+from railsearch.space import FloatArray
+
+Watch = Callable[[Evaluation], None]
+
+
+class Record(Protocol):
+    """Where the evaluations of a run are kept."""
+
+    def load(self) -> list[Evaluation]:
+        """The stored evaluations in their order."""
+
+    def append(self, evaluation: Evaluation) -> None:
+        """Store one more."""
+
+
+class MemoryRecord:
+    """A record that lasts as long as the process."""
+
+    def __init__(self) -> None:
+        self.evaluations: list[Evaluation] = []
+
+    def load(self) -> list[Evaluation]:
+        """The evaluations so far."""
+        return list(self.evaluations)
+
+    def append(self, evaluation: Evaluation) -> None:
+        """Keep one more."""
+        self.evaluations.append(evaluation)
+
+
+@dataclass(frozen=True)
+class RunSettings:
+    """How to search: strategy and its settings, budget in evaluations, seed, designs per batch, seconds per evaluation."""
+
+    strategy: str
+    budget: int
+    seed: int
+    strategy_settings: Mapping[str, object] = field(default_factory=dict)
+    batch_size: int = 1
+    timeout: float | None = None
+
+
+@dataclass(frozen=True)
+class RunResult:
+    """The evaluations of a run in order, how many of them came from the record, and how many repeats were not charged."""
+
+    evaluations: tuple[Evaluation, ...]
+    replayed: int
+    repeats: int
+
+    @property
+    def failures(self) -> list[Evaluation]:
+        """The failed evaluations."""
+        return [evaluation for evaluation in self.evaluations if evaluation.failed]
+
+
+def run_search(
+    registry: Registry,
+    problem: DesignProblem,
+    settings: RunSettings,
+    given: Sequence[FloatArray] = (),
+    record: Record | None = None,
+    watch: Watch = lambda evaluation: None,
+) -> RunResult:
+    """Search `problem` with a registered strategy until the budget is spent, or every design has been evaluated.
+
+    given: designs (d,) to evaluate first, inside the budget; record: where evaluations are kept and a run is continued from;
+    watch: called with every evaluation, stored or new. Raises InputError, CapabilityError or PluginError before anything is
+    evaluated, StorageError if the record cannot be written or belongs to another run.
+    """
+    strategy = make_strategy(registry, problem, settings, len(given))
+    record = record or MemoryRecord()
+    stored = record.load()
+    with closing(simulator(problem, settings.timeout)) as simulating, threadpool_limits(1):
+        evaluator = BudgetedEvaluator(
+            problem, simulating, settings.budget, stored, record.append, run_generators(settings.seed).unseen
+        )
+        if given:
+            first = [Proposal(problem.space.checked(design), "given") for design in given]
+            strategy.tell(_evaluated(evaluator, first, 0.0, watch))
+        while not evaluator.exhausted:
+            _step(strategy, evaluator, watch)
+    return RunResult(tuple(evaluator.evaluations), min(len(stored), evaluator.spent), evaluator.repeats)
+
+
+def make_strategy(registry: Registry, problem: DesignProblem, settings: RunSettings, n_given: int = 0) -> Strategy:
+    """The strategy of a run at its start. Raises an error if it, its settings and the budget do not suit the problem."""
+    plugin = registry.get("strategy", settings.strategy)
+    parameters = make_parameters(plugin.Parameters, settings.strategy_settings, f"strategy {settings.strategy}")
+    check_capabilities(settings.strategy, plugin.capabilities, problem, settings.batch_size)
+    generators = run_generators(settings.seed)
+    context = SearchContext(
+        space=problem.space,
+        n_objectives=problem.n_obj,
+        n_constraints=problem.n_ieq_constr,
+        budget=settings.budget,
+        batch_size=settings.batch_size,
+        generator=generators.strategy,
+        initial_generator=generators.initial,
+        surrogate=functools.partial(_surrogate, registry, problem.space.dimension),
+    )
+    strategy = cast(Strategy, plugin(context, parameters))
+    needed = max(n_given, getattr(strategy, "minimum_budget", 1))
+    if settings.budget < needed:
+        raise InputError(
+            f"budget: {settings.strategy} needs at least {needed} evaluations for its start on this problem "
+            f"({n_given} of them given), received {settings.budget}"
+        )
+    return strategy
+
+
+def check_capabilities(name: str, capabilities: Capabilities, problem: DesignProblem, batch_size: int) -> None:
+    """Raise CapabilityError if a strategy cannot handle a problem, with what can be done about it."""
+    if problem.n_obj > 1 and not capabilities.multi_objective:
+        names = ", ".join(objective.name for objective in problem.objectives)
+        raise CapabilityError(
+            f"strategy {name} handles one objective, this problem has {problem.n_obj} ({names}): choose one of them, scalarise "
+            "them (asf), or use a multi-objective strategy such as nsga2"
+        )
+    if problem.space.integer.any() and not capabilities.integers:
+        integers = ", ".join(variable.name for variable in problem.space.variables if variable.integer)
+        raise CapabilityError(f"strategy {name} cannot handle integer variables, this problem has {integers}")
+    if problem.n_ieq_constr and not capabilities.constraints:
+        raise CapabilityError(f"strategy {name} cannot handle constraints, this problem has {problem.n_ieq_constr}")
+    if batch_size < 1 or (batch_size > 1 and not capabilities.batch):
+        raise CapabilityError(f"strategy {name} proposes one design at a time, a batch of {batch_size} was asked for")
+
+
+def front(evaluations: Sequence[Evaluation]) -> list[Evaluation]:
+    """The feasible evaluations that no other one dominates; with one objective the best one (the first of equals)."""
+    feasible = [evaluation for evaluation in evaluations if evaluation.feasible]
+    if not feasible:
+        return []
+    objectives = np.array([evaluation.objectives for evaluation in feasible])
+    if objectives.shape[1] == 1:
+        return [feasible[int(np.argmin(objectives[:, 0]))]]
+    return [feasible[row] for row in non_dominated(objectives)]
+
+
+def best(evaluations: Sequence[Evaluation], reference: FloatArray | None = None) -> Evaluation | None:
+    """The best evaluation; with several objectives the member of the front whose worst objective is best.
+
+    Objectives are measured as f/f_reference where the reference design's are given (m,) and positive, otherwise by their
+    place between the front's best and worst values.
+    """
+    members = front(evaluations)
+    if len(members) < 2:
+        return members[0] if members else None
+    objectives = np.array([evaluation.objectives for evaluation in members])
+    if reference is not None and np.all(reference > 0.0):
+        scaled = objectives / reference
+    else:
+        spread = np.ptp(objectives, axis=0)
+        scaled = (objectives - objectives.min(axis=0)) / np.where(spread > 0.0, spread, 1.0)
+    return members[int(np.argmin(scaled.max(axis=1)))]
+
+
+def _step(strategy: Strategy, evaluator: BudgetedEvaluator, watch: Watch) -> None:
+    start = time.perf_counter()
+    proposals = strategy.ask()
+    if not proposals:
+        raise CapabilityError("the strategy proposed nothing although there is budget left")
+    overhead = (time.perf_counter() - start) / len(proposals)
+    strategy.tell(_evaluated(evaluator, proposals, overhead, watch))
+
+
+def _evaluated(
+    evaluator: BudgetedEvaluator, proposals: Sequence[Proposal], overhead: float, watch: Watch
+) -> list[Evaluation]:
+    evaluations: list[Evaluation] = []
+    for proposal in proposals:
+        try:
+            evaluation = evaluator.evaluate(proposal, overhead)
+        except BudgetExhausted:
+            break
+        evaluations.append(evaluation)
+        if not evaluation.repeated:
+            watch(evaluation)
+    return evaluations
+
+
+def _surrogate(registry: Registry, dimension: int, name: str, settings: Mapping[str, object]):  # type: ignore[no-untyped-def]
+    return registry.surrogate(name, dimension, settings)
