@@ -1,0 +1,235 @@
+"""Design problem A: the transition zones of a level crossing, tuned for wheel-rail force and ballast damage.
+
+Source: Shang, Nogal, Teixeira & Wolfert, Engineering Structures 282 (2023) 115740.
+
+| symbol | meaning | unit |
+|---|---|---|
+| xr1, xr2, xr3 | stiffness of the three railpads next to the crossing; xr3 is adjacent to it | MN/m |
+| xn | strengthened sleepers, counted from the crossing | - |
+| xs1, xs2, xs3 | sleeper distances next to the crossing; xs3 is from the interface to the first sleeper | 0.1 m |
+| xl | Type II strip in the crossing, from its approach side | 0.1 m |
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from railsearch.design_problem import DesignProblem
+from railsearch.errors import InputError
+from railsearch.hookspecs import hookimpl
+from railsearch.interfaces import Host, Outcome, Quantity, TrackModel
+from railsearch.parameters import parameter
+from railsearch.space import FloatArray, Space, Variable
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+TRACK_MODEL = "level-crossing"
+TENTHS = 10.0
+MEGA = 1e6
+PUBLISHED = "SNTW 2023, Table 5"
+
+
+@dataclass(frozen=True)
+class PadBounds:
+    """Range of a pad stiffness."""
+
+    lower: float = parameter(50.0, unit="MN/m", meaning="softest railpad", source=PUBLISHED, above=0.0)
+    upper: float = parameter(1200.0, unit="MN/m", meaning="stiffest railpad", source=PUBLISHED, above=0.0)
+
+
+@dataclass(frozen=True)
+class StrengthenedBounds:
+    """Range of the number of strengthened sleepers."""
+
+    lower: int = parameter(0, meaning="fewest strengthened sleepers", source=PUBLISHED, minimum=0)
+    upper: int = parameter(20, meaning="most strengthened sleepers", source=PUBLISHED, minimum=1)
+
+
+@dataclass(frozen=True)
+class DistanceBounds:
+    """Range of a sleeper distance."""
+
+    lower: int = parameter(3, unit="0.1 m", meaning="shortest sleeper distance", source=PUBLISHED, minimum=1)
+    upper: int = parameter(7, unit="0.1 m", meaning="longest sleeper distance", source=PUBLISHED, minimum=1)
+
+
+@dataclass(frozen=True)
+class StripBounds:
+    """Range of the length of the Type II strip."""
+
+    lower: int = parameter(0, unit="0.1 m", meaning="shortest Type II strip", source=PUBLISHED, minimum=0)
+    upper: int = parameter(120, unit="0.1 m", meaning="longest Type II strip", source=PUBLISHED, minimum=1)
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """The ranges in which the search looks, by variable."""
+
+    xr1: PadBounds = PadBounds()
+    xr2: PadBounds = PadBounds()
+    xr3: PadBounds = PadBounds()
+    xn: StrengthenedBounds = StrengthenedBounds()
+    xs1: DistanceBounds = DistanceBounds()
+    xs2: DistanceBounds = DistanceBounds()
+    xs3: DistanceBounds = DistanceBounds()
+    xl: StripBounds = StripBounds()
+
+
+@dataclass(frozen=True)
+class WorstObjectives:
+    """Worst values that scalarisers measure by: those of 400 random designs, rounded up; `railsearch sample` finds them."""
+
+    F_rms: float | None = parameter(None, unit="N", meaning="largest rms of the wheel-rail force", above=0.0)
+    F_max: float | None = parameter(
+        6000.0, unit="N", meaning="largest range of the wheel-rail force", source="400 random designs, 5947 N", above=0.0
+    )
+    E_rms: float | None = parameter(None, unit="N·m", meaning="largest rms of the energy per sleeper", above=0.0)
+    E_max: float | None = parameter(
+        1.5, unit="N·m", meaning="largest range of the energy per sleeper", source="400 random designs, 1.49 N·m", above=0.0
+    )
+
+
+MEANINGS = {
+    "xr1": ("MN/m", False, "stiffness of the third railpad from the crossing"),
+    "xr2": ("MN/m", False, "stiffness of the second railpad from the crossing"),
+    "xr3": ("MN/m", False, "stiffness of the railpad adjacent to the crossing"),
+    "xn": ("", True, "strengthened sleepers, counted from the crossing"),
+    "xs1": ("0.1 m", True, "distance from the second to the third sleeper"),
+    "xs2": ("0.1 m", True, "distance from the first to the second sleeper"),
+    "xs3": ("0.1 m", True, "distance from the interface to the first sleeper"),
+    "xl": ("0.1 m", True, "length of Type II strip from the approach side of the crossing"),
+}
+
+
+class LevelCrossingProblem(DesignProblem):
+    """Transition zones of a level crossing: 8 variables, wheel-rail force against energy dissipated in the ballast.
+
+    Any choice of F_rms, F_max, E_rms and E_max is minimised; F_max and E_max by default. The reference design is the
+    `zone` of the track model's parameters.
+    """
+
+    available_objectives: ClassVar[Sequence[Quantity]] = (
+        Quantity("F_rms", "N", "rms of the wheel-rail force"),
+        Quantity("F_max", "N", "maximum minus minimum of the wheel-rail force"),
+        Quantity("E_rms", "N·m", "rms of the energy dissipated in the ballast per sleeper"),
+        Quantity("E_max", "N·m", "maximum minus minimum of the energy dissipated in the ballast per sleeper"),
+    )
+    default_objectives: ClassVar[Sequence[str]] = ("F_max", "E_max")
+
+    def __init__(
+        self,
+        model: TrackModel,
+        track: Any,
+        bounds: Bounds | None = None,
+        worst: WorstObjectives | None = None,
+        objectives: Sequence[str] = (),
+    ) -> None:
+        bounds, worst = bounds or Bounds(), worst or WorstObjectives()
+        super().__init__(
+            name="level-crossing",
+            space=_space(bounds),
+            objectives=chosen_objectives(self.available_objectives, objectives or self.default_objectives),
+            metrics=(*self.available_objectives, Quantity("A_max", "m/s²", "maximum minus minimum carbody acceleration")),
+            reference=_design_of(track.zone),
+            worst={name: value for name, value in dataclasses.asdict(worst).items() if value is not None},
+        )
+        self.model = model
+        self.track = track
+        _check_ranges(track, bounds)
+
+    @classmethod
+    def sections(cls, host: Host) -> Mapping[str, object]:
+        """Track model parameters, bounds of the variables, worst objective values."""
+        return {
+            "track": host.track_model(TRACK_MODEL).Parameters(),
+            "variables": Bounds(),
+            "worst": WorstObjectives(),
+        }
+
+    @classmethod
+    def make(cls, host: Host, objectives: Sequence[str], sections: Mapping[str, Any]) -> LevelCrossingProblem:
+        """The problem for a site."""
+        model = host.track_model(TRACK_MODEL)
+        return cls(model, sections["track"], sections["variables"], sections["worst"], objectives)
+
+    def parameters(self, design: FloatArray) -> Any:
+        """The track model's parameters with the zone of a design (8,)."""
+        pads, strengthened, distances, strip = design[:3], design[3], design[4:7], design[7]
+        zone = dataclasses.replace(
+            self.track.zone,
+            pad_stiffness=tuple(float(pad * MEGA) for pad in pads),
+            strengthened_sleepers=int(strengthened),
+            sleeper_distances=tuple(float(distance / TENTHS) for distance in distances),
+            type_2_strip_length=float(strip / TENTHS),
+        )
+        return dataclasses.replace(self.track, zone=zone)
+
+    def simulate(self, design: FloatArray) -> Outcome:
+        """One passage over the crossing with the transition zones of a design (8,)."""
+        metrics = self.model.simulate(self.parameters(design)).metrics
+        return Outcome(
+            np.array([metrics[objective.name] for objective in self.objectives]),
+            {metric.name: float(metrics[metric.name]) for metric in self.metrics},
+        )
+
+    def figures(self, designs: Mapping[str, FloatArray]) -> Mapping[str, Figure]:
+        """Force over position, energy per sleeper, and a drawing of the zone to scale, for labelled designs."""
+        from railsearch_problems.level_crossing_figures import crossing_figures
+
+        parameters = {label: self.parameters(design) for label, design in designs.items()}
+        return crossing_figures(self.model, parameters)
+
+
+def chosen_objectives(available: Sequence[Quantity], names: Sequence[str]) -> list[Quantity]:
+    """The quantities of these names. Raises InputError for an unknown or repeated name."""
+    known = {quantity.name: quantity for quantity in available}
+    for name in names:
+        if name not in known:
+            raise InputError(f"objectives: unknown '{name}'; there are {', '.join(known)}")
+    if len(set(names)) != len(names):
+        raise InputError(f"objectives: each may be named once, received {', '.join(names)}")
+    return [known[name] for name in names]
+
+
+def _space(bounds: Bounds) -> Space:
+    return Space(
+        tuple(
+            Variable(name, getattr(bounds, name).lower, getattr(bounds, name).upper, unit, integer, meaning)
+            for name, (unit, integer, meaning) in MEANINGS.items()
+        )
+    )
+
+
+def _design_of(zone: Any) -> FloatArray:
+    """The design (8,) that a zone is. Raises InputError if it is not one of this problem's designs."""
+    if len(zone.pad_stiffness) != 3 or len(zone.sleeper_distances) != 3:
+        raise InputError("track.zone: this problem needs three pad stiffnesses and three sleeper distances")
+    lengths = np.array([*zone.sleeper_distances, zone.type_2_strip_length]) * TENTHS
+    if np.any(np.abs(lengths - np.round(lengths)) > 1e-6):
+        raise InputError(
+            f"track.zone: sleeper distances and strip length are whole multiples of 0.1 m in this problem, "
+            f"received {zone.sleeper_distances} m and {zone.type_2_strip_length} m"
+        )
+    pads = np.array(zone.pad_stiffness) / MEGA
+    return np.array([*pads, zone.strengthened_sleepers, *np.round(lengths)], dtype=float)
+
+
+def _check_ranges(track: Any, bounds: Bounds) -> None:
+    longest = track.geometry.crossing_length
+    if bounds.xl.upper / TENTHS > longest + 1e-9:
+        raise InputError(
+            f"variables.xl.upper: the strip lies inside the crossing of {longest:g} m, allowed is up to "
+            f"{longest * TENTHS:g} (0.1 m), received {bounds.xl.upper}"
+        )
+
+
+@hookimpl
+def railsearch_problems(register: Callable[[str, Any], None]) -> None:
+    """Register the level crossing."""
+    register("level-crossing", LevelCrossingProblem)
