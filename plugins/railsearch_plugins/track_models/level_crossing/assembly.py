@@ -1,0 +1,116 @@
+"""Mass, damping and stiffness of the track, element by element, and of the vehicle."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from railsearch_plugins.dynamics.beam import bending_matrices, coupled, gram_matrices, layer_matrices, locate, outer
+from railsearch_plugins.track_models.level_crossing.layout import (
+    FloatArray,
+    IntArray,
+    Mesh,
+    Numbering,
+    Sleepers,
+    make_mesh,
+    number_unknowns,
+    place_sleepers,
+)
+from railsearch_plugins.track_models.level_crossing.parameters import LevelCrossingParameters
+
+Elements = tuple[IntArray, FloatArray]
+
+
+@dataclass(frozen=True)
+class TrackElements:
+    """Element matrices of a level crossing with their unknowns, and what they were made of."""
+
+    mesh: Mesh
+    sleepers: Sleepers
+    numbering: Numbering
+    mass: list[Elements]
+    damping: list[Elements]
+    stiffness: list[Elements]
+
+
+def assemble_track(parameters: LevelCrossingParameters) -> TrackElements:
+    """Lay out the level crossing and make the matrices of all its elements."""
+    mesh, sleepers = make_mesh(parameters), place_sleepers(parameters)
+    numbering = number_unknowns(mesh, sleepers)
+    parts = (
+        _rail(parameters, mesh, numbering),
+        _ballast_track(parameters, mesh, sleepers, numbering),
+        *(_slab(parameters, mesh.nodes[part.start : part.stop + 1], unknowns) for part, unknowns in zip(mesh.slabs, numbering.slabs, strict=True)),
+        *(_strip(parameters, mesh, numbering, index) for index in range(len(mesh.slabs))),
+    )
+    mass, damping, stiffness = ([element for part in parts for element in part[kind]] for kind in range(3))
+    return TrackElements(mesh, sleepers, numbering, mass, damping, stiffness)
+
+
+def vehicle_matrices(parameters: LevelCrossingParameters) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Mass, damping and stiffness (3, 3) of carbody, bogie and wheelset in line."""
+    vehicle = parameters.vehicle
+    mass = np.diag([vehicle.effective_carbody_mass, vehicle.bogie_mass, vehicle.wheelset_mass])
+    suspension = np.array([[1.0, -1.0, 0.0], [0.0, 1.0, -1.0]])
+    damping = outer(suspension, [vehicle.secondary_damping, vehicle.primary_damping]).sum(axis=0)
+    stiffness = outer(suspension, [vehicle.secondary_stiffness, vehicle.primary_stiffness]).sum(axis=0)
+    return mass, damping, stiffness
+
+
+def pad_values(parameters: LevelCrossingParameters, sleepers: Sleepers) -> tuple[FloatArray, FloatArray]:
+    """Stiffness and damping (s,) of all pads in the model: damping in proportion to stiffness, both halved if so read."""
+    railpad = parameters.railpad
+    share = 0.5 if railpad.reading == "full-track" else 1.0
+    stiffness = share * sleepers.pad_stiffness
+    return stiffness, railpad.damping / railpad.stiffness * stiffness
+
+
+Part = tuple[list[Elements], list[Elements], list[Elements]]
+
+
+def _element_unknowns(nodes: IntArray) -> IntArray:
+    return np.concatenate([nodes[:-1], nodes[1:]], axis=1)
+
+
+def _rail(parameters: LevelCrossingParameters, mesh: Mesh, numbering: Numbering) -> Part:
+    unknowns, length = _element_unknowns(numbering.rail), np.diff(mesh.nodes)
+    mass = parameters.rail.mass_per_length * gram_matrices(length, 0.0, length)
+    return [(unknowns, mass)], [], [(unknowns, bending_matrices(length, parameters.rail.bending_stiffness))]
+
+
+def _ballast_track(parameters: LevelCrossingParameters, mesh: Mesh, sleepers: Sleepers, numbering: Numbering) -> Part:
+    element, rows = locate(mesh.nodes, sleepers.position)
+    pads = np.concatenate([_element_unknowns(numbering.rail)[element], numbering.sleepers[:, None]], axis=1)
+    elongation = np.concatenate([rows, np.full((rows.shape[0], 1), -1.0)], axis=1)
+    stiffness, damping = pad_values(parameters, sleepers)
+    under, one = numbering.sleepers[:, None], np.ones((sleepers.mass.size, 1))
+    return (
+        [(under, outer(one, sleepers.mass))],
+        [(pads, outer(elongation, damping)), (under, outer(one, parameters.ballast.damping))],
+        [(pads, outer(elongation, stiffness)), (under, outer(one, parameters.ballast.stiffness))],
+    )
+
+
+def _slab(parameters: LevelCrossingParameters, nodes: FloatArray, numbering: IntArray) -> Part:
+    slab, unknowns, length = parameters.slab, _element_unknowns(numbering), np.diff(nodes)
+    gram = gram_matrices(length, 0.0, length)
+    bending = bending_matrices(length, slab.bending_stiffness)
+    return (
+        [(unknowns, slab.mass_per_length * gram)],
+        [(unknowns, slab.subgrade_damping * gram)],
+        [(unknowns, bending + slab.subgrade_stiffness * gram)],
+    )
+
+
+def _strip(parameters: LevelCrossingParameters, mesh: Mesh, numbering: Numbering, index: int) -> Part:
+    strip, part = parameters.strip, mesh.slabs[index]
+    edges = mesh.nodes[part.start : part.stop + 1]
+    rail = _element_unknowns(numbering.rail[part.start : part.stop + 1])
+    unknowns = np.concatenate([rail, _element_unknowns(numbering.slabs[index])], axis=1)
+    boundary = parameters.geometry.approach_length + parameters.zone.type_2_strip_length
+    stiffness = np.array([strip.type_2_stiffness, strip.type_1_stiffness])
+    damping = 2.0 * strip.damping_ratio * np.sqrt(stiffness * parameters.rail.mass_per_length)
+    return (
+        [],
+        [(unknowns, coupled(layer_matrices(edges, boundary, *damping)))],
+        [(unknowns, coupled(layer_matrices(edges, boundary, *stiffness)))],
+    )

@@ -1,0 +1,63 @@
+"""One passage of the vehicle over a level crossing, from parameters to histories."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from railsearch_plugins.dynamics.banded import assemble, half_bandwidth
+from railsearch_plugins.dynamics.beam import locate
+from railsearch_plugins.dynamics.moving_contact import Contact, Passage, Track, Vehicle, pass_over
+from railsearch_plugins.track_models.level_crossing.assembly import TrackElements, assemble_track, vehicle_matrices
+from railsearch_plugins.track_models.level_crossing.layout import FloatArray
+from railsearch_plugins.track_models.level_crossing.parameters import LevelCrossingParameters
+
+
+@dataclass(frozen=True)
+class Simulated:
+    """A passage with the track it went over and the wheel's positions (t,) in m."""
+
+    elements: TrackElements
+    track: Track
+    vehicle: Vehicle
+    contact: Contact
+    position: FloatArray
+    passage: Passage
+
+
+def simulate_passage(
+    parameters: LevelCrossingParameters, positions: FloatArray | None = None, states: bool = False
+) -> Simulated:
+    """Assemble and run; `positions` (t,) in m replace the run from x = 0 at constant speed, `states` keeps all track states."""
+    elements = assemble_track(parameters)
+    width = half_bandwidth(elements.stiffness)
+    matrices = (assemble(kind, elements.numbering.size, width) for kind in (elements.mass, elements.damping, elements.stiffness))
+    track = Track(*matrices, elements.numbering.sleepers)
+    vehicle = Vehicle(*vehicle_matrices(parameters), parameters.vehicle.static_load, parameters.vehicle.contact_stiffness)
+    wheel = wheel_positions(parameters) if positions is None else positions
+    contact = make_contact(parameters, elements, wheel)
+    passage = pass_over(track, vehicle, contact, parameters.passage.time_step, states)
+    return Simulated(elements, track, vehicle, contact, wheel, passage)
+
+
+def wheel_positions(parameters: LevelCrossingParameters) -> FloatArray:
+    """Wheel at n v dt from x = 0, floor(L/(v dt)) steps."""
+    advance = parameters.passage.speed * parameters.passage.time_step
+    steps = int(np.floor(parameters.geometry.total_length / advance))
+    return np.asarray(advance * np.arange(steps + 1))
+
+
+def make_contact(parameters: LevelCrossingParameters, elements: TrackElements, positions: FloatArray) -> Contact:
+    """Unknowns, Hermite rows and irregularity under the wheel at each of the positions (t,)."""
+    element, rows = locate(elements.mesh.nodes, positions)
+    rail = elements.numbering.rail
+    unknowns = np.concatenate([rail[element], rail[element + 1]], axis=1)
+    return Contact(unknowns, rows, irregularity_at(parameters, positions))
+
+
+def irregularity_at(parameters: LevelCrossingParameters, positions: FloatArray) -> FloatArray:
+    """Irregularity (t,) in m, positive downward, by a cubic spline through the measured heights; zero without any."""
+    irregularity = parameters.irregularity
+    if not irregularity.position:
+        return np.zeros_like(positions)
+    return np.asarray(-CubicSpline(irregularity.position, irregularity.height)(positions))
