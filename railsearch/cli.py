@@ -1,4 +1,56 @@
-"""Command line."""
+"""The command line: built-in commands come in through the same hook as a stranger's."""
+
+import logging
+import sys
+from collections.abc import Callable
+from typing import Any
+
+import typer
+
+from railsearch.commands.catalogue import describe, init, list_plugins
+from railsearch.commands.evaluation import evaluate, sample, simulate
+from railsearch.commands.options import messages
+from railsearch.commands.search import dashboard, run, show
+from railsearch.errors import RailsearchError
+from railsearch.hookspecs import hookimpl
+from railsearch.plugin_manager import load_plugins
+
+HELP = """Search for better railway transition zones on a budget of expensive vehicle-track simulations.
+
+Begin with `railsearch list`, `railsearch describe level-crossing` and `railsearch evaluate level-crossing`; then search:
+
+railsearch run level-crossing --scalarise asf --budget 400 --seed 1 --out my-run
+"""
+
+
+@hookimpl
+def railsearch_commands(register: Callable[[str, Any], None]) -> None:
+    """Register the built-in commands."""
+    for name, command in (
+        ("list", list_plugins),
+        ("describe", describe),
+        ("init", init),
+        ("simulate", simulate),
+        ("evaluate", evaluate),
+        ("sample", sample),
+        ("run", run),
+        ("show", show),
+        ("dashboard", dashboard),
+    ):
+        register(name, command)
+
 
 def main() -> None:
-    pass
+    """Run the command line; an error that the user can mend ends it with code 2."""
+    logging.getLogger("optuna").setLevel(logging.WARNING)
+    app = typer.Typer(help=HELP, no_args_is_help=True, add_completion=False, rich_markup_mode="markdown")
+    try:
+        registry = load_plugins()
+        for warning in registry.warnings:
+            messages.print(f"railsearch: warning: {warning}", markup=False)
+        for entry in registry.entries("command"):
+            app.command(entry.name)(entry.plugin)
+        app(prog_name="railsearch")
+    except RailsearchError as error:
+        messages.print(f"railsearch: error: {error}", markup=False, soft_wrap=True)
+        sys.exit(2)

@@ -136,6 +136,7 @@ class Strategy(Protocol):
 
     The run evaluates the given designs first and tells them (origin `given`), so `tell` comes before the first `ask`
     when there are any, and may at any time bring designs that were not asked for, failed ones, and repeated ones.
+    A strategy that cannot begin with fewer evaluations than some number says so in an attribute `minimum_budget`.
     """
 
     Parameters: type
@@ -160,13 +161,17 @@ class TrackModel(Protocol):
 
 
 class Scalariser(Protocol):
-    """Many objectives into one. Made as `cls(parameters, objectives, worst)`, `worst` being the worst known values by name."""
+    """Many objectives into one. Made as `cls(parameters, objectives, worst)`, worst: {objective: worst known value}."""
 
     Parameters: type
 
     @property
     def ready(self) -> bool:
         """False as long as the objectives of the reference design are needed and unknown."""
+
+    @property
+    def values(self) -> Mapping[str, object]:
+        """The numbers in use, in plain types, for the record."""
 
     def prepare(self, reference: FloatArray) -> None:
         """Receive the objectives (m,) of the reference design."""

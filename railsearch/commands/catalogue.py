@@ -1,0 +1,134 @@
+"""Commands that tell what there is: list, describe, init."""
+
+import dataclasses
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from railsearch.commands.options import AsJson, messages, print_json, readable
+from railsearch.errors import InputError, PluginError
+from railsearch.parameters import Description, describe_parameters
+from railsearch.plugin_manager import KINDS, Entry, Registry, load_plugins
+from railsearch.problem_factory import ProblemSettings, make_problem
+from railsearch.run_directory import writing
+from railsearch.site import site_template
+
+Kind = Annotated[str | None, typer.Argument(metavar="[KIND]", help=f"One of {', '.join(KINDS)}; default: all.")]
+Name = Annotated[str, typer.Argument(metavar="NAME", help="Name of a plugin of any kind; see `railsearch list`.")]
+Output = Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE.toml", help="File to write; default: standard output.")]
+
+
+def list_plugins(kind: Kind = None, as_json: AsJson = False) -> None:
+    """List what is installed: problems, strategies, surrogates, scalarisers, track models, commands."""
+    if kind not in (None, *KINDS):
+        raise InputError(f"KIND: there are {', '.join(KINDS)}; received {kind!r}")
+    entries = load_plugins().entries(kind)
+    if as_json:
+        print_json([_entry_document(entry) for entry in entries])
+        return
+    table = Table("kind", "name", "what", "from", box=None, pad_edge=False)
+    for entry in entries:
+        origin = entry.provenance
+        table.add_row(entry.kind, entry.name, entry.summary, f"{origin.distribution} {origin.version}")
+    Console().print(table)
+
+
+def describe(name: Name, as_json: AsJson = False) -> None:
+    """Describe a plugin: variables with units and bounds, objectives, parameters with defaults and sources.
+
+    A name that several kinds share (a track model and a problem, say) is described for all of them.
+    """
+    registry = load_plugins()
+    entries = [entry for entry in registry.entries() if entry.name == name]
+    if not entries:
+        known = ", ".join(sorted({entry.name for entry in registry.entries()}))
+        raise PluginError(f"unknown plugin '{name}': there are {known}")
+    documents = [_description(registry, entry) for entry in entries]
+    if as_json:
+        print_json(documents)
+        return
+    for document in documents:
+        _print_description(document)
+
+
+def init(
+    name: Annotated[str, typer.Argument(metavar="PROBLEM", help="Problem to write a site file for.")],
+    out: Output = None,
+) -> None:
+    """Write a commented site file with every default, to be edited and given to the other commands as --parameters."""
+    text = site_template(load_plugins(), name)
+    if out is None:
+        typer.echo(text, nl=False)
+        return
+    if out.exists():
+        raise InputError(f"--out: {out} exists and is not overwritten; choose another name")
+    with writing(out):
+        out.write_text(text, encoding="utf-8")
+    messages.print(f"wrote {out}")
+
+
+def _entry_document(entry: Entry) -> dict[str, Any]:
+    document = {"kind": entry.kind, "name": entry.name, "summary": entry.summary}
+    return document | dataclasses.asdict(entry.provenance)
+
+
+def _description(registry: Registry, entry: Entry) -> dict[str, Any]:
+    document = _entry_document(entry) | {"documentation": (entry.plugin.__doc__ or "").strip()}
+    if entry.kind == "problem":
+        problem = make_problem(registry, ProblemSettings(entry.name))
+        sections = entry.plugin.sections(registry).items()
+        document["variables"] = [dataclasses.asdict(variable) for variable in problem.space.variables]
+        document["reference"] = None if problem.reference is None else problem.space.named(problem.reference)
+        available = entry.plugin.available_objectives or problem.objectives
+        document["objectives"] = [dataclasses.asdict(quantity) for quantity in available]
+        document["metrics"] = [dataclasses.asdict(quantity) for quantity in problem.metrics]
+        parameters = [d for section, start in sections for d in describe_parameters(start, section + ".")]
+    elif entry.kind == "command":
+        parameters = []
+    else:
+        parameters = list(describe_parameters(entry.plugin.Parameters()))
+    if entry.kind == "strategy":
+        document["capabilities"] = dataclasses.asdict(entry.plugin.capabilities)
+    if entry.kind == "track-model":
+        document["metrics"] = [dataclasses.asdict(quantity) for quantity in entry.plugin.metrics]
+        document["histories"] = [dataclasses.asdict(quantity) for quantity in entry.plugin.histories]
+    return document | {"parameters": [dataclasses.asdict(description) for description in parameters]}
+
+
+def _print_description(document: dict[str, Any]) -> None:
+    console = Console()
+    console.rule(f"{document['kind']} {document['name']}", align="left")
+    console.print(f"{document['documentation']}\n\nfrom {document['distribution']} {document['version']} ({document['module']})\n")
+    for title in ("variables", "objectives", "metrics", "histories"):
+        if document.get(title):
+            console.print(_quantities(title, document[title], document.get("reference") or {}))
+    if "capabilities" in document:
+        console.print("capabilities: " + (", ".join(k for k, v in document["capabilities"].items() if v) or "none") + "\n")
+    if document["parameters"]:
+        console.print(_parameters([Description(**row) for row in document["parameters"]]))
+
+
+def _quantities(title: str, rows: list[dict[str, Any]], reference: dict[str, Any]) -> Table:
+    table = Table(title.removesuffix("s"), "unit", "meaning", box=None, pad_edge=False)
+    if title == "variables":
+        for column in ("kind", "from", "to", "reference"):
+            table.add_column(column, justify="right")
+    for row in rows:
+        cells = [row["name"], row["unit"], row["meaning"]]
+        if title == "variables":
+            cells += ["integer" if row["integer"] else "real", readable(row["lower"]), readable(row["upper"])]
+            cells.append(readable(reference.get(row["name"])))
+        table.add_row(*cells)
+    table.add_row()
+    return table
+
+
+def _parameters(descriptions: list[Description]) -> Table:
+    table = Table("parameter", "default", "unit", "allowed", "meaning", "source", box=None, pad_edge=False)
+    for row in descriptions:
+        default = "not given" if row.default is None else str(row.default)
+        table.add_row(row.name, default, row.unit, row.allowed, row.meaning, row.source)
+    return table

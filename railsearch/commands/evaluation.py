@@ -1,0 +1,157 @@
+"""Commands that carry out simulations without a search: simulate, evaluate, sample."""
+
+import dataclasses
+import tempfile
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from railsearch.commands.options import (
+    AsJson,
+    Assignments,
+    Objectives,
+    Parameters,
+    ProblemName,
+    asked_problem,
+    assignments,
+    changed_design,
+    messages,
+    print_json,
+    quantity_label,
+    readable,
+)
+from railsearch.commands.progress import run_progress
+from railsearch.errors import InputError, SimulationError
+from railsearch.interfaces import Evaluation, Quantity
+from railsearch.parameters import amend_parameters, nested
+from railsearch.plugin_manager import load_plugins
+from railsearch.result import evaluation_document, values_of
+from railsearch.run import MemoryRecord, RunSettings, run_search
+from railsearch.run_directory import writing
+from railsearch.seeding import checked_seed
+from railsearch.site import track_section
+
+ModelName = Annotated[str, typer.Argument(metavar="TRACK_MODEL", help="Name of a track model; see `railsearch list track-model`.")]
+Histories = Annotated[Path | None, typer.Option("--histories", metavar="FILE.npz", help="Write the histories to this file.")]
+
+
+def simulate(
+    name: ModelName,
+    parameters: Parameters = None,
+    assigned: Assignments = None,
+    histories: Histories = None,
+    as_json: AsJson = False,
+) -> None:
+    """Simulate one passage with a track model and print its metrics.
+
+    Parameters are SI and named as `railsearch describe TRACK_MODEL` lists them:
+
+        railsearch simulate level-crossing --set passage.speed=30 --set zone.strengthened_sleepers=4
+    """
+    registry = load_plugins()
+    model = registry.track_model(name)
+    start = amend_parameters(model.Parameters(), track_section(parameters) if parameters else {}, str(parameters))
+    track = amend_parameters(start, nested(assignments(assigned)), "--set")
+    response = model.simulate(track, histories=histories is not None)
+    if histories is not None:
+        _write_histories(histories, response.histories)
+    if as_json:
+        units = {quantity.name: quantity.unit for quantity in model.metrics}
+        print_json({"track_model": name, "parameters": dataclasses.asdict(track), "metrics": dict(response.metrics), "units": units})
+        return
+    Console().print(_values_table(model.metrics, response.metrics))
+
+
+def evaluate(
+    name: ProblemName,
+    parameters: Parameters = None,
+    assigned: Assignments = None,
+    objectives: Objectives = "",
+    as_json: AsJson = False,
+) -> None:
+    """Evaluate one design of a problem, by default its reference design.
+
+        railsearch evaluate level-crossing --set xr1=500 --set xs3=3
+    """
+    asked = asked_problem(load_plugins(), name, parameters, objectives)
+    problem = asked.problem
+    design = changed_design(problem, assigned)
+    outcome = problem.finish(design, problem.simulate(design))
+    evaluation = Evaluation(0, design, outcome.objectives, outcome.constraints, outcome.metrics, "given")
+    document = evaluation_document(problem, evaluation)
+    if not np.all(np.isfinite(outcome.objectives)):
+        raise SimulationError(f"the evaluation failed: {document['objectives']} at {document['design']}")
+    if as_json:
+        print_json({"problem": name} | {key: document[key] for key in ("design", "metrics", "objectives")})
+        return
+    console = Console()
+    table = Table("variable", "unit", "value", box=None, pad_edge=False)
+    for variable in problem.space.variables:
+        table.add_row(variable.name, variable.unit, readable(document["design"][variable.name]))
+    console.print(table, "", _values_table(problem.metrics or problem.objectives, values_of(problem, evaluation)))
+
+
+def sample(
+    name: ProblemName,
+    number: Annotated[int, typer.Option("--number", "-n", help="How many random designs.", min=2)] = 400,
+    seed: Annotated[int | None, typer.Option("--seed", help="Seed; drawn and reported if not given.")] = None,
+    parameters: Parameters = None,
+    as_json: AsJson = False,
+) -> None:
+    """Evaluate random designs and print each objective's range: the worst values are what scalarisers need.
+
+    The last lines are the [worst] section of a site file.
+    """
+    registry = load_plugins()
+    names = [objective.name for objective in registry.get("problem", name).available_objectives]
+    problem = asked_problem(registry, name, parameters, ",".join(names)).problem
+    seed = checked_seed(seed)
+    record = MemoryRecord()
+    with run_progress(problem, number) as watch:
+        run_search(registry, problem, RunSettings("random", number, seed), record=record, watch=watch)
+    values = [values_of(problem, evaluation) for evaluation in record.evaluations if not evaluation.failed]
+    if not values:
+        raise SimulationError(f"all {number} evaluations failed, the last one with: {record.evaluations[-1].reason}")
+    rows = {objective.name: _spread(objective, np.array([v[objective.name] for v in values])) for objective in problem.objectives}
+    failed = len(record.evaluations) - len(values)
+    if as_json:
+        print_json({"problem": name, "seed": seed, "number": number, "failed": failed, "objectives": rows})
+        return
+    table = Table("objective", "unit", "best", "median", "worst", "variation [%]", box=None, pad_edge=False)
+    for objective in problem.objectives:
+        row = rows[objective.name]
+        cells = [readable(row[key]) for key in ("best", "median", "worst", "variation_percent")]
+        table.add_row(objective.name, objective.unit, *cells)
+    Console().print(table)
+    typer.echo(f"\n# {number} random designs, seed {seed}, {failed} failed\n[worst]")
+    for objective_name, row in rows.items():
+        typer.echo(f"{objective_name} = {float(f'{row['worst']:.4g}')!r}")
+
+
+def _spread(quantity: Quantity, values: Any) -> dict[str, float]:
+    """Best, median and worst of values (n,), and their coefficient of variation in per cent."""
+    ends = (float(values.max()), float(values.min()))
+    best, worst = ends if quantity.maximised else ends[::-1]
+    variation = float(100.0 * values.std() / abs(values.mean())) if values.mean() else 0.0
+    return {"best": best, "median": float(np.median(values)), "worst": worst, "variation_percent": variation}
+
+
+def _values_table(quantities: Any, values: Any) -> Table:
+    table = Table("quantity", "value", "meaning", box=None, pad_edge=False)
+    for quantity in quantities:
+        table.add_row(quantity_label(quantity.name, quantity.unit), readable(values[quantity.name]), quantity.meaning)
+    return table
+
+
+def _write_histories(path: Path, histories: Any) -> None:
+    if path.suffix != ".npz":
+        raise InputError(f"--histories: a file name that ends with .npz is needed, received {path}")
+    with writing(path.parent), tempfile.TemporaryDirectory(dir=path.parent) as folder:
+        temporary = Path(folder) / "histories.npz"
+        np.savez_compressed(temporary, **histories)
+        temporary.replace(path)
+    messages.print(f"wrote {path}: {', '.join(histories)}")

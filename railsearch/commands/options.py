@@ -1,0 +1,109 @@
+"""What commands share: options, assignments, the problem that they ask for, and output."""
+
+import json
+import sys
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+
+from railsearch.design_problem import DesignProblem
+from railsearch.errors import InputError
+from railsearch.plugin_manager import Registry
+from railsearch.problem_factory import ProblemSettings, make_problem
+from railsearch.site import Site, read_site
+from railsearch.space import FloatArray
+
+ProblemName = Annotated[str, typer.Argument(metavar="PROBLEM", help="Name of a problem; see `railsearch list problem`.")]
+Parameters = Annotated[
+    Path | None,
+    typer.Option("--parameters", "-p", metavar="FILE.toml", help="Site file; `railsearch init PROBLEM` writes one."),
+]
+Assignments = Annotated[
+    list[str] | None, typer.Option("--set", "-s", metavar="NAME=VALUE", help="Change one value; may be repeated.")
+]
+Objectives = Annotated[
+    str, typer.Option("--objectives", metavar="F_max,E_max", help="Objectives to minimise; default: the problem's own choice.")
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print the result as JSON on standard output.")]
+
+messages = Console(stderr=True, highlight=False)
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A problem as a command asked for it, and what the site file says besides."""
+
+    problem: DesignProblem
+    settings: ProblemSettings
+    site: Site
+
+
+def asked_problem(
+    registry: Registry, name: str, parameters: Path | None, objectives: str = "", scalariser: str | None = None
+) -> Asked:
+    """The problem of a command. Raises PluginError or InputError."""
+    registry.entry("problem", name)
+    site = read_site(parameters, registry, name) if parameters else Site(name)
+    settings = ProblemSettings(
+        name,
+        tuple(part.strip() for part in objectives.split(",") if part.strip()),
+        site.sections,
+        scalariser,
+        site.scalarisers.get(scalariser or "", {}),
+    )
+    return Asked(make_problem(registry, settings, str(parameters or "parameters")), settings, site)
+
+
+def assignments(texts: Sequence[str] | None) -> dict[str, Any]:
+    """Parse NAME=VALUE texts, values written as in TOML, bare words being strings. Raises InputError."""
+    parsed: dict[str, Any] = {}
+    for text in texts or []:
+        name, equals, value = text.partition("=")
+        if not equals or not name.strip():
+            raise InputError(f"--set: NAME=VALUE is needed, received {text!r}")
+        try:
+            parsed[name.strip()] = tomllib.loads(f"value = {value}")["value"]
+        except tomllib.TOMLDecodeError:
+            parsed[name.strip()] = value.strip()
+    return parsed
+
+
+def changed_design(problem: DesignProblem, texts: Sequence[str] | None) -> FloatArray:
+    """The reference design with the assigned variables changed. Raises InputError for a name or value not allowed."""
+    changes = assignments(texts)
+    return amended_design(problem, changes)
+
+
+def amended_design(problem: DesignProblem, changes: Mapping[str, Any]) -> FloatArray:
+    """The reference design with variables changed by name; all of them where there is no reference design."""
+    for name, value in changes.items():
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            raise InputError(f"variable {name}: a number is needed, received {value!r}")
+    if problem.reference is not None:
+        return problem.space.amended(problem.reference, changes)
+    missing = [name for name in problem.space.names if name not in changes]
+    if missing:
+        raise InputError(f"design: {problem.name} has no reference design; give values for {', '.join(missing)} as well")
+    return problem.space.amended(problem.space.lower, changes)
+
+
+def print_json(document: object) -> None:
+    """Print a document on standard output, numbers to the last bit."""
+    sys.stdout.write(json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def quantity_label(name: str, unit: str) -> str:
+    """A name with its unit in brackets."""
+    return f"{name} [{unit}]" if unit else name
+
+
+def readable(value: object) -> str:
+    """A number with five significant digits, anything else as it is."""
+    if value is None:
+        return "–"
+    return f"{value:.5g}" if isinstance(value, float) else str(value)

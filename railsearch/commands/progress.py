@@ -1,0 +1,50 @@
+"""The live progress bar of a search: evaluations, best so far, failures, time left."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from railsearch.commands.options import messages
+from railsearch.design_problem import DesignProblem
+from railsearch.interfaces import Evaluation
+from railsearch.result import values_of
+from railsearch.run import Watch, front
+
+
+@contextmanager
+def run_progress(problem: DesignProblem, budget: int) -> Iterator[Watch]:
+    """A progress bar on standard error; gives the function to call with every evaluation."""
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=20),
+        MofNCompleteColumn(),
+        TextColumn("evaluations, best {task.fields[best]}{task.fields[failed]},"),
+        TimeElapsedColumn(),
+        TextColumn("gone,"),
+        TimeRemainingColumn(),
+        TextColumn("left"),
+    )
+    with Progress(*columns, console=messages) as progress:
+        task = progress.add_task(problem.name, total=budget, best="–", failed="")
+        members: list[Evaluation] = []
+        failed = 0
+
+        def watch(evaluation: Evaluation) -> None:
+            nonlocal members, failed
+            members = front([*members, evaluation])
+            failed += evaluation.failed
+            progress.update(task, advance=1, best=best_so_far(problem, members), failed=f", {failed} failed" if failed else "")
+
+        yield watch
+
+
+def best_so_far(problem: DesignProblem, members: list[Evaluation]) -> str:
+    """The best value with its raw objectives, or the size of the front, in words."""
+    if not members:
+        return "none yet"
+    if problem.n_obj > 1:
+        return f"front of {len(members)}"
+    values = values_of(problem, members[0])
+    shown = dict.fromkeys([*problem.objectives, *problem.simulated.objectives])
+    return ", ".join(f"{q.name} {values[q.name]:.4g} {q.unit}".rstrip() for q in shown)

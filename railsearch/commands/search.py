@@ -1,0 +1,258 @@
+"""Commands around a search: run, show, dashboard."""
+
+import dataclasses
+import json
+import shlex
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from sqlalchemy.engine import make_url
+from sqlalchemy.exc import ArgumentError
+
+from railsearch.commands.options import (
+    AsJson,
+    Asked,
+    Assignments,
+    Objectives,
+    Parameters,
+    ProblemName,
+    amended_design,
+    asked_problem,
+    assignments,
+    messages,
+    print_json,
+)
+from railsearch.commands.progress import run_progress
+from railsearch.commands.tables import result_tables
+from railsearch.design_problem import DesignProblem
+from railsearch.errors import InputError, StorageError
+from railsearch.parameters import make_parameters
+from railsearch.plugin_manager import Registry, load_plugins
+from railsearch.problem_factory import ProblemSettings, checked_sections, make_problem
+from railsearch.result import RunCommand, result_document
+from railsearch.run import RunResult, RunSettings, run_search
+from railsearch.run_directory import RESULT_FILE, RunDirectory
+from railsearch.seeding import checked_seed
+from railsearch.space import FloatArray
+from railsearch.storage import RunStorage, StudyDescription, open_run, plain
+from railsearch.study_note import study_note
+
+Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run (its --out).")]
+StorageUrl = Annotated[
+    str | None, typer.Option("--storage", metavar="URL", help="Optuna storage URL; default: an SQLite file in DIR.")
+]
+
+
+def run(
+    name: ProblemName,
+    strategy: Annotated[str, typer.Option("--strategy", help="Name of a strategy; see `railsearch list strategy`.")] = "dycors",
+    budget: Annotated[int, typer.Option("--budget", "-n", help="Evaluations to spend, the reference design's included.")] = 200,
+    seed: Annotated[int | None, typer.Option("--seed", help="Seed of all randomness; drawn and reported if not given.")] = None,
+    objectives: Objectives = "",
+    scalarise: Annotated[str | None, typer.Option("--scalarise", metavar="NAME", help="Scalariser, for instance asf.")] = None,
+    parameters: Parameters = None,
+    assigned: Assignments = None,
+    batch: Annotated[int, typer.Option("--batch", help="Designs proposed at a time.")] = 1,
+    timeout: Annotated[float | None, typer.Option("--timeout", metavar="SECONDS", help="Time limit of one evaluation.")] = None,
+    storage: StorageUrl = None,
+    out: Annotated[Path | None, typer.Option("--out", "-o", metavar="DIR", help="Folder of the run.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Search a problem with a strategy until the budget is spent; record, tabulate and draw the result.
+
+    The same command again continues a run that was stopped, or shows the result of a complete one. `--set` changes
+    settings of the strategy, for instance `--set sigma_start=0.1`.
+
+        railsearch run level-crossing --scalarise asf --strategy dycors --budget 400 --seed 1 --out my-run
+    """
+    registry = load_plugins()
+    asked = asked_problem(registry, name, parameters, objectives, scalarise)
+    settings = RunSettings(
+        strategy, budget, _seed(seed, out), _strategy_settings(registry, asked, strategy, assigned), batch, timeout
+    )
+    given = _given(asked)
+    identity = plain(_identity(registry, asked, settings, given))
+    folder = RunDirectory(out or Path(f"{name}-{strategy}-seed{settings.seed}"))
+    command = RunCommand(_command_line(), identity)
+    document = {"command": command.line, "storage": _public(storage), "identity": identity}
+    with folder.claimed(document):
+        record = open_run(storage or folder.embedded_url, _study(asked.problem, command), asked.problem.space)
+        result = _searched(registry, asked.problem, settings, given, record, folder)
+        found = result_document(registry, asked.problem, command, result)
+        _finish(folder, asked.problem, found, result)
+    _print_result(found, as_json)
+
+
+def show(folder: Folder, storage: StorageUrl = None, as_json: AsJson = False) -> None:
+    """Show the result of a run, complete or not, from its record."""
+    registry = load_plugins()
+    directory = RunDirectory(folder)
+    stored = _stored(directory)
+    identity = stored["identity"]
+    problem = _problem_of(registry, identity)
+    command = RunCommand(stored["command"], identity)
+    record = open_run(_url(directory, stored, storage), _study(problem, command), problem.space)
+    evaluations = record.load()
+    for evaluation in evaluations:
+        if not evaluation.failed:
+            problem.replay(evaluation)
+    result = RunResult(tuple(evaluations), len(evaluations), 0)
+    _print_result(result_document(registry, problem, command, result), as_json)
+
+
+def dashboard(
+    folder: Folder,
+    storage: StorageUrl = None,
+    port: Annotated[int, typer.Option("--port", help="Port on 127.0.0.1.", min=1, max=65535)] = 8080,
+) -> None:
+    """Look into a run in Optuna's dashboard, on 127.0.0.1; Ctrl-C ends it."""
+    from optuna_dashboard import run_server
+
+    directory = RunDirectory(folder)
+    url = _url(directory, _stored(directory), storage)
+    messages.print(f"dashboard at http://127.0.0.1:{port}/ - end it with Ctrl-C")
+    try:
+        run_server(url, host="127.0.0.1", port=port)
+    except OSError as error:
+        raise InputError(f"--port: {port} cannot be used ({error.strerror}); choose another one") from None
+
+
+def _seed(seed: int | None, out: Path | None) -> int:
+    """The given seed, else that of the run which the folder holds, else a new one."""
+    stored = RunDirectory(out).stored() if out is not None and seed is None else None
+    return checked_seed(seed if stored is None else stored["identity"]["seed"])
+
+
+def _strategy_settings(registry: Registry, asked: Asked, strategy: str, assigned: list[str] | None) -> dict[str, Any]:
+    settings = {**asked.site.strategies.get(strategy, {}), **assignments(assigned)}
+    where = f"strategy {strategy}"
+    return dataclasses.asdict(make_parameters(registry.get("strategy", strategy).Parameters, settings, where))
+
+
+def _given(asked: Asked) -> list[FloatArray]:
+    """The reference design, then the site's given designs, each once."""
+    reference = asked.problem.reference
+    designs = [] if reference is None else [reference]
+    designs += [amended_design(asked.problem, changes) for changes in asked.site.given]
+    return list({asked.problem.space.key(design): design for design in designs}.values())
+
+
+def _identity(registry: Registry, asked: Asked, settings: RunSettings, given: list[FloatArray]) -> dict[str, Any]:
+    problem, name = asked.problem, asked.settings.scalariser
+    sections = checked_sections(registry, asked.settings.name, asked.settings.sections, "parameters")
+    scalariser = None
+    if name is not None:
+        plugin = registry.get("scalariser", name)
+        parameters = make_parameters(plugin.Parameters, asked.settings.scalariser_settings, f"scalariser {name}")
+        scalariser = {"name": name, "settings": dataclasses.asdict(parameters)}
+    return {
+        "problem": asked.settings.name,
+        "objectives": [objective.name for objective in problem.simulated.objectives],
+        "scalariser": scalariser,
+        "strategy": {"name": settings.strategy, "settings": dict(settings.strategy_settings)},
+        "budget": settings.budget,
+        "seed": settings.seed,
+        "batch": settings.batch_size,
+        "given": [problem.space.named(design) for design in given],
+        "sections": {section: dataclasses.asdict(values) for section, values in sections.items()},
+    }
+
+
+def _problem_of(registry: Registry, identity: Mapping[str, Any]) -> DesignProblem:
+    scalariser = identity["scalariser"] or {"name": None, "settings": {}}
+    settings = ProblemSettings(
+        identity["problem"], tuple(identity["objectives"]), identity["sections"], scalariser["name"], scalariser["settings"]
+    )
+    return make_problem(registry, settings, "run.json")
+
+
+def _study(problem: DesignProblem, command: RunCommand) -> StudyDescription:
+    identity = command.identity
+    name = f"{problem.label} / {identity['strategy']['name']} / seed {identity['seed']}"
+    names = tuple(objective.name for objective in problem.objectives)
+    return StudyDescription(name, identity, names, problem.n_ieq_constr, study_note(problem, command))
+
+
+def _searched(
+    registry: Registry,
+    problem: DesignProblem,
+    settings: RunSettings,
+    given: list[FloatArray],
+    record: RunStorage,
+    folder: RunDirectory,
+) -> RunResult:
+    stored = len(record.load())
+    limit = int(min(settings.budget, problem.space.size))
+    if stored >= limit:
+        messages.print(f"complete: all {stored} evaluations are in {folder.folder}, nothing is evaluated")
+    elif stored:
+        messages.print(f"continuing: {stored} of {limit} evaluations are in {folder.folder}")
+    messages.print(f"{problem.label}, strategy {settings.strategy}, budget {settings.budget}, seed {settings.seed}")
+    try:
+        with run_progress(problem, limit) as watch:
+            return run_search(registry, problem, settings, given, record, watch)
+    except KeyboardInterrupt:
+        messages.print(f"stopped: {len(record.load())} evaluations are in {folder.folder}; the same command goes on from there")
+        sys.exit(130)
+
+
+def _finish(folder: RunDirectory, problem: DesignProblem, found: dict[str, Any], result: RunResult) -> None:
+    """Write result.json, figures and report, unless this result is there already."""
+    from railsearch.report import run_figures, write_figures, write_report
+
+    text = json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False)
+    if folder.report.exists() and folder.result.exists() and folder.result.read_text(encoding="utf-8") == text:
+        return
+    messages.print("drawing the figures and the report")
+    figures = run_figures(problem, result.evaluations, found)
+    write_figures(folder.figures, figures)
+    write_report(folder.report, found, figures)
+    folder.write(RESULT_FILE, text)
+    messages.print(f"wrote {folder.result}, {folder.figures}, {folder.report}")
+
+
+def _print_result(found: dict[str, Any], as_json: bool) -> None:
+    if as_json:
+        print_json(found)
+    else:
+        Console().print(*result_tables(found))
+
+
+def _stored(directory: RunDirectory) -> dict[str, Any]:
+    stored = directory.stored()
+    if stored is None:
+        raise InputError(f"DIR: {directory.folder} holds no run (no run.json); give the --out of a `railsearch run`")
+    return stored
+
+
+def _url(directory: RunDirectory, stored: Mapping[str, Any], storage: str | None) -> str:
+    if storage is not None or stored["storage"] is None:
+        return storage or directory.embedded_url
+    url = str(stored["storage"])
+    if "***" in url:
+        raise StorageError(f"the record is at {url}, whose password was not kept: give it with --storage")
+    return url
+
+
+def _public(url: str | None) -> str | None:
+    """A storage URL without its password."""
+    if url is None:
+        return None
+    try:
+        return make_url(url).render_as_string(hide_password=True)
+    except ArgumentError:
+        raise InputError(f"--storage: an URL such as sqlite:///FILE or postgresql://USER@HOST/NAME is needed, received {url!r}") from None
+
+
+def _command_line() -> str:
+    """The command as it was given, without passwords."""
+    words = list(sys.argv[1:])
+    for position, word in enumerate(words[:-1]):
+        if word == "--storage":
+            words[position + 1] = _public(words[position + 1]) or ""
+    words = [f"--storage={_public(word[10:])}" if word.startswith("--storage=") else word for word in words]
+    return shlex.join(["railsearch", *words])

@@ -1,0 +1,76 @@
+"""Result tables for the terminal."""
+
+from typing import Any
+
+from rich.console import RenderableType
+from rich.table import Table
+
+from railsearch.commands.options import quantity_label, readable
+
+FRONT_ROWS = 12
+
+
+def result_tables(found: dict[str, Any]) -> list[RenderableType]:
+    """Reference against best design: quantities with the improvement, variables, the front, and how it was found."""
+    tables: list[RenderableType] = [_quantities(found), "", _variables(found)]
+    if len(found["problem"]["objectives"]) > 1:
+        tables += ["", _front(found)]
+    return [*tables, "", _sentence(found)]
+
+
+def _quantities(found: dict[str, Any]) -> Table:
+    table = Table(box=None, pad_edge=False)
+    for column in ("quantity", "reference", "best", "better by [%]"):
+        table.add_column(column, justify="left" if column == "quantity" else "right")
+    problem = found["problem"]
+    rows = {quantity["name"]: quantity for quantity in (*problem["objectives"], *problem["metrics"])}
+    for name, quantity in rows.items():
+        gain = found["improvement"].get(name)
+        table.add_row(
+            quantity_label(name, quantity["unit"]),
+            readable(_value(found["reference"], name)),
+            readable(_value(found["best"], name)),
+            "" if gain is None else f"{gain:+.1f}",
+        )
+    return table
+
+
+def _variables(found: dict[str, Any]) -> Table:
+    table = Table(box=None, pad_edge=False)
+    for column in ("variable", "reference", "best", "meaning"):
+        table.add_column(column, justify="right" if column in ("reference", "best") else "left")
+    for variable in found["problem"]["variables"]:
+        name = variable["name"]
+        cells = [readable(found[which] and found[which]["design"][name]) for which in ("reference", "best")]
+        table.add_row(quantity_label(name, variable["unit"]), *cells, variable["meaning"])
+    return table
+
+
+def _front(found: dict[str, Any]) -> Table:
+    names = [quantity_label(q["name"], q["unit"]) for q in found["problem"]["objectives"]]
+    variables = [variable["name"] for variable in found["problem"]["variables"]]
+    table = Table("evaluation", *names, *variables, box=None, pad_edge=False, title="front", title_justify="left")
+    members = sorted(found["front"], key=lambda member: next(iter(member["objectives"].values())))
+    step = max(1, -(-len(members) // FRONT_ROWS))
+    for member in members[::step]:
+        values = [*member["objectives"].values(), *member["design"].values()]
+        table.add_row(str(member["number"]), *(readable(value) for value in values))
+    return table
+
+
+def _sentence(found: dict[str, Any]) -> str:
+    best = found["best"]
+    place = f"best at evaluation {best['number']} ({best['origin']})" if best else "no feasible design"
+    if len(found["problem"]["objectives"]) > 1 and best:
+        place = f"front of {len(found['front'])} designs; shown as best is the one whose worst objective is best ({place[8:]})"
+    return (
+        f"{found['status']}: {len(found['evaluations'])} of {found['budget']} evaluations, {found['failed']} failed, "
+        f"seed {found['seed']}, {found['seconds']:.1f} s; {place}"
+    )
+
+
+def _value(evaluation: dict[str, Any] | None, name: str) -> float | None:
+    if evaluation is None:
+        return None
+    values: dict[str, float | None] = evaluation["objectives"] | evaluation["metrics"]
+    return values.get(name)

@@ -1,0 +1,152 @@
+"""What a run found, as one plain document: the content of result.json and of every table and report."""
+
+import dataclasses
+import importlib.metadata
+import math
+import platform
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from railsearch.design_problem import DesignProblem
+from railsearch.interfaces import Evaluation, Quantity
+from railsearch.plugin_manager import Registry
+from railsearch.run import RunResult, best, front
+
+LIBRARIES = ("railsearch", "numpy", "scipy", "numba", "pymoo", "optuna", "pluggy")
+
+
+@dataclass(frozen=True)
+class RunCommand:
+    """How a run was asked for: the command line, and what identifies the run."""
+
+    line: str
+    identity: Mapping[str, Any]
+
+
+def result_document(registry: Registry, problem: DesignProblem, command: RunCommand, result: RunResult) -> dict[str, Any]:
+    """Everything about a run in plain JSON types, objectives and metrics with their natural sign."""
+    reference = reference_evaluation(problem, result.evaluations)
+    found = best(result.evaluations, None if reference is None else reference.objectives)
+    identity = command.identity
+    done = len(result.evaluations) >= min(identity["budget"], problem.space.size)
+    return {
+        "format": "railsearch result 1",
+        "status": "complete" if done else "incomplete",
+        "command": command.line,
+        "problem": _problem(problem) | {"sections": identity["sections"]},
+        "strategy": identity["strategy"],
+        "scalariser": identity["scalariser"] and identity["scalariser"] | {"values": scalariser_values(problem)},
+        "budget": identity["budget"],
+        "seed": identity["seed"],
+        "evaluations": [evaluation_document(problem, evaluation) for evaluation in result.evaluations],
+        "failed": len(result.failures),
+        "repeats": result.repeats,
+        "best": found and evaluation_document(problem, found),
+        "reference": reference and evaluation_document(problem, reference),
+        "front": [evaluation_document(problem, evaluation) for evaluation in front(result.evaluations)],
+        "improvement": improvement(problem, reference, found),
+        "versions": versions(),
+        "plugins": plugins_used(registry, identity),
+        "seconds": sum(evaluation.duration + evaluation.overhead for evaluation in result.evaluations),
+    }
+
+
+def reference_evaluation(problem: DesignProblem, evaluations: Sequence[Evaluation]) -> Evaluation | None:
+    """The successful evaluation of the reference design, if there is one."""
+    if problem.reference is None:
+        return None
+    same = (e for e in evaluations if not e.failed and np.array_equal(e.design, problem.reference))
+    return next(same, None)
+
+
+def quantities(problem: DesignProblem) -> list[Quantity]:
+    """Objectives and metrics, each name once."""
+    return list({quantity.name: quantity for quantity in (*problem.objectives, *problem.metrics)}.values())
+
+
+def values_of(problem: DesignProblem, evaluation: Evaluation) -> dict[str, float]:
+    """Objectives and metrics of an evaluation by name, with their natural sign."""
+    stored = {q.name: float(v) for q, v in zip(problem.objectives, evaluation.objectives, strict=True)}
+    return {
+        quantity.name: _natural(quantity, stored.get(quantity.name, evaluation.metrics.get(quantity.name, math.nan)))
+        for quantity in quantities(problem)
+    }
+
+
+def improvement(problem: DesignProblem, reference: Evaluation | None, found: Evaluation | None) -> dict[str, float | None]:
+    """How much better than the reference the found design is, by quantity, in per cent of the reference's value.
+
+    A reduction counts as positive, for a maximised quantity an increase. The scalar of a scalarised problem is left out.
+    """
+    if reference is None or found is None:
+        return {}
+    before, after = values_of(problem, reference), values_of(problem, found)
+    percent = {}
+    for quantity in quantities(problem.simulated):
+        start = before[quantity.name]
+        gain = (start - after[quantity.name]) * (-1.0 if quantity.maximised else 1.0)
+        percent[quantity.name] = _finite(100.0 * gain / abs(start)) if start else None
+    return percent
+
+
+def evaluation_document(problem: DesignProblem, evaluation: Evaluation) -> dict[str, Any]:
+    """An evaluation in plain JSON types; what is not a finite number is null."""
+    objectives = zip(problem.objectives, evaluation.objectives, strict=True)
+    kinds = {quantity.name: quantity for quantity in problem.metrics}
+    return {
+        "number": evaluation.number + 1,
+        "design": problem.space.named(evaluation.design),
+        "objectives": {quantity.name: _finite(_natural(quantity, float(value))) for quantity, value in objectives},
+        "metrics": {
+            name: _finite(_natural(kinds.get(name, Quantity(name)), value)) for name, value in evaluation.metrics.items()
+        },
+        "origin": evaluation.origin,
+        "trajectory": evaluation.trajectory,
+        "reason": evaluation.reason,
+        "duration": evaluation.duration,
+        "overhead": evaluation.overhead,
+    }
+
+
+def scalariser_values(problem: DesignProblem) -> dict[str, Any]:
+    """The numbers that a scalariser works with, once it knows them."""
+    scalariser = getattr(problem, "scalariser", None)
+    return dict(scalariser.values) if scalariser is not None and scalariser.ready else {}
+
+
+def versions() -> dict[str, str]:
+    """Versions of Python and of the libraries that results depend on."""
+    return {"python": platform.python_version()} | {name: importlib.metadata.version(name) for name in LIBRARIES}
+
+
+def plugins_used(registry: Registry, identity: Mapping[str, Any]) -> list[dict[str, str]]:
+    """Where the plugins of a run come from: problem, strategy, scalariser, and all track models and surrogates."""
+    names = {("problem", identity["problem"]), ("strategy", identity["strategy"]["name"])}
+    if identity["scalariser"]:
+        names.add(("scalariser", identity["scalariser"]["name"]))
+    return [
+        {"kind": entry.kind, "name": entry.name, **dataclasses.asdict(entry.provenance)}
+        for entry in registry.entries()
+        if (entry.kind, entry.name) in names or entry.kind in ("track-model", "surrogate")
+    ]
+
+
+def _problem(problem: DesignProblem) -> dict[str, Any]:
+    return {
+        "name": problem.name,
+        "label": problem.label,
+        "objectives": [dataclasses.asdict(quantity) for quantity in problem.objectives],
+        "metrics": [dataclasses.asdict(quantity) for quantity in problem.metrics],
+        "variables": [dataclasses.asdict(variable) for variable in problem.space.variables],
+    }
+
+
+def _natural(quantity: Quantity, value: float) -> float:
+    return -value if quantity.maximised else value
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

@@ -1,0 +1,127 @@
+"""The folder of one run: what identifies it, its record, its result, its figures and report. One process writes at a time."""
+
+import fcntl
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from railsearch.errors import StorageError
+from railsearch.storage import identity_differences, plain
+
+IDENTITY_FILE = "run.json"
+STUDY_FILE = "study.db"
+RESULT_FILE = "result.json"
+REPORT_FILE = "report.html"
+FIGURES_FOLDER = "figures"
+LOCK_FILE = ".lock"
+SPACE_NEEDED = 2_000_000
+
+
+class RunDirectory:
+    """Paths and files of a run's folder."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    @property
+    def embedded_url(self) -> str:
+        """Storage URL of the SQLite file in the folder."""
+        return f"sqlite:///{(self.folder / STUDY_FILE).resolve()}"
+
+    @property
+    def figures(self) -> Path:
+        """Where the figures are."""
+        return self.folder / FIGURES_FOLDER
+
+    @property
+    def report(self) -> Path:
+        """The report."""
+        return self.folder / REPORT_FILE
+
+    @property
+    def result(self) -> Path:
+        """The result."""
+        return self.folder / RESULT_FILE
+
+    def stored(self) -> dict[str, Any] | None:
+        """What run.json says: {"command", "storage", "identity"}; None if there is no run. Raises StorageError if unreadable."""
+        path = self.folder / IDENTITY_FILE
+        if not path.exists():
+            return None
+        try:
+            document: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise StorageError(f"{path} cannot be read: {error}. Use another folder") from None
+        return document
+
+    @contextmanager
+    def claimed(self, document: Mapping[str, Any]) -> Iterator[None]:
+        """Hold the folder for the run that `document` describes, making it if need be.
+
+        Raises StorageError if the folder cannot be written, belongs to another run or is in use by another process.
+        """
+        self._make()
+        with (self.folder / LOCK_FILE).open("a+", encoding="utf-8") as lock:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError:
+                raise StorageError(f"{self.folder} is in use by another process: wait for it, or use another folder") from None
+            self._check(document)
+            self.write(IDENTITY_FILE, json.dumps(document, indent=1, ensure_ascii=False))
+            yield
+
+    def write(self, name: str, text: str) -> None:
+        """Write a file whole or not at all."""
+        with writing(self.folder):
+            descriptor, temporary = tempfile.mkstemp(dir=self.folder, prefix=f".{name}.")
+            try:
+                with os.fdopen(descriptor, "w", encoding="utf-8") as file:
+                    file.write(text)
+                    file.flush()
+                    os.fsync(file.fileno())
+                os.chmod(temporary, 0o644)
+                os.replace(temporary, self.folder / name)
+            except BaseException:
+                Path(temporary).unlink(missing_ok=True)
+                raise
+
+    def _make(self) -> None:
+        with writing(self.folder):
+            self.folder.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=self.folder):
+                pass
+            free = shutil.disk_usage(self.folder).free
+        if free < SPACE_NEEDED:
+            raise StorageError(f"{self.folder}: only {free / 1e6:.1f} MB are free, a run needs {SPACE_NEEDED / 1e6:g} MB or more")
+
+    def _check(self, document: Mapping[str, Any]) -> None:
+        stored = self.stored()
+        if stored is None:
+            if (self.folder / STUDY_FILE).exists():
+                raise StorageError(f"{self.folder} holds a {STUDY_FILE} but no {IDENTITY_FILE}: use another folder")
+            return
+        differences = identity_differences(stored["identity"], plain(document["identity"]))
+        differences += identity_differences({"storage": stored["storage"]}, {"storage": document["storage"]})
+        if differences:
+            more = f"; and {len(differences) - 3} more" if len(differences) > 3 else ""
+            raise StorageError(
+                f"{self.folder} holds another run ({'; '.join(differences[:3])}{more}). Nothing was changed: use another --out, "
+                f"or continue that run with: {stored['command']}"
+            )
+
+
+@contextmanager
+def writing(place: Path) -> Iterator[None]:
+    """Turn a failure to write into a StorageError that says what to do."""
+    try:
+        yield
+    except OSError as error:
+        raise StorageError(
+            f"{place} cannot be written: {error.strerror or error}. Make space or use a folder that you may write to, "
+            "then repeat the command: finished evaluations are kept"
+        ) from error

@@ -1,0 +1,151 @@
+"""Space-filling and random designs.
+
+| symbol | meaning | shape | unit | source |
+|---|---|---|---|---|
+| n | number of points | scalar | - | |
+| d | number of variables | scalar | - | |
+| U | points of the unit cube | (n, d) | - | |
+| l | level of a point in one coordinate, each of 0 … n − 1 taken once | (n, d) | - | McKay et al. 1979 |
+
+A symmetric design holds with every point u its mirror image 1 − u (Ye, Li and Sudjianto 2000).
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railsearch.errors import InputError
+from railsearch.space import FloatArray, Space
+
+RANK_TOLERANCE = 1e-6
+"""Singular values of [U 1] below this fraction of the largest count as zero: such points determine no linear tail."""
+
+REPAIR_ATTEMPTS = 1000
+"""Random replacements tried before a design of full affine rank is given up."""
+
+
+def latin_hypercube(n_points: int, dimension: int, generator: np.random.Generator) -> FloatArray:
+    """Draw a Latin hypercube U (n, d) on the unit cube: u = (l + r)/n with l a random permutation and r uniform in [0, 1).
+
+    Raises InputError for a negative number of points or a dimension below one.
+    Source: McKay, Beckman and Conover 1979.
+    """
+    _check_size(n_points, dimension)
+    levels = generator.permuted(np.tile(np.arange(n_points)[:, None], dimension), axis=0)
+    return (levels + generator.random((n_points, dimension))) / max(n_points, 1)
+
+
+def symmetric_latin_hypercube(n_points: int, dimension: int, generator: np.random.Generator) -> FloatArray:
+    """Draw a symmetric Latin hypercube U (n, d) on the unit cube: u_k = (l_k + 1/2)/n and u_{n−1−k} = 1 − u_k.
+
+    An odd number of points has the centre of the cube as its own mirror image.
+    Raises InputError for a negative number of points or a dimension below one.
+    Source: Ye, Li and Sudjianto 2000.
+    """
+    _check_size(n_points, dimension)
+    half = n_points // 2
+    levels = np.full((n_points, dimension), half)
+    lower = generator.permuted(np.tile(np.arange(half)[:, None], dimension), axis=0)
+    first = np.where(generator.random((half, dimension)) < 0.5, lower, n_points - 1 - lower)
+    levels[:half] = first
+    levels[n_points - half :] = (n_points - 1 - first)[::-1]
+    return (levels + 0.5) / max(n_points, 1)
+
+
+def random_designs(space: Space, n_points: int, generator: np.random.Generator) -> FloatArray:
+    """Draw designs (n, d) in native units, uniform over the box; every value of an integer is equally likely."""
+    margin = np.where(space.integer, 0.5, 0.0)
+    draws = generator.random((n_points, space.dimension))
+    return space.rounded(space.lower - margin + draws * (space.upper - space.lower + 2.0 * margin))
+
+
+def unseen_design(space: Space, seen: set[bytes], generator: np.random.Generator) -> FloatArray | None:
+    """Draw a uniform design (d,) whose `space.key` is not in `seen`; None if every design of the space has been seen."""
+    if space.size <= 2 * len(seen):
+        unseen = [design for design in _all_designs(space) if space.key(design) not in seen]
+        return unseen[generator.integers(len(unseen))] if unseen else None
+    while True:
+        design = random_designs(space, 1, generator)[0]
+        if space.key(design) not in seen:
+            return design
+
+
+def affine_rank(points: FloatArray) -> int:
+    """The rank of [U 1] for points U (n, d) of the unit cube: d + 1 if they determine every linear polynomial."""
+    if len(points) == 0:
+        return 0
+    return int(np.linalg.matrix_rank(np.column_stack([points, np.ones(len(points))]), rtol=RANK_TOLERANCE))
+
+
+def initial_design(
+    space: Space,
+    n_points: int,
+    generator: np.random.Generator,
+    known: FloatArray | None = None,
+    avoided: FloatArray | None = None,
+) -> FloatArray:
+    """Make the designs (n, d), in native units, with which a search starts: a symmetric Latin hypercube, repaired.
+
+    The points are rounded on the integers; those that coincide with one another, with `known` (k, d) or with `avoided`
+    (j, d) are replaced by random unseen designs; and where k + n > d points allow it, others are replaced until the new
+    and the known designs together have affine rank d + 1. If the space has fewer unseen designs than asked for, all
+    of them are returned. Raises InputError for a negative number of points.
+    Source: Regis and Shoemaker 2007 (section 3), on the symmetric Latin hypercube of Ye et al. 2000.
+    """
+    nothing = np.empty((0, space.dimension))
+    known, avoided = (nothing if designs is None else designs for designs in (known, avoided))
+    seen = {space.key(design) for design in (*known, *avoided)}
+    wished = space.from_unit(symmetric_latin_hypercube(n_points, space.dimension, generator))
+    designs = _distinct(space, wished, seen, generator)
+    return _of_full_rank(space, designs, known, seen, generator)
+
+
+def _check_size(n_points: int, dimension: int) -> None:
+    if n_points < 0 or dimension < 1:
+        raise InputError(f"design: n_points ≥ 0 and dimension ≥ 1 are needed, received {n_points} and {dimension}")
+
+
+def _all_designs(space: Space) -> FloatArray:
+    """Every design (size, d) of a space of integers."""
+    levels = (space.upper - space.lower + 1.0).astype(int)
+    return space.lower + np.stack(np.unravel_index(np.arange(int(space.size)), levels), axis=1)
+
+
+def _distinct(space: Space, wished: FloatArray, seen: set[bytes], generator: np.random.Generator) -> FloatArray:
+    """The wished designs, those already seen replaced by unseen ones as long as there are any; `seen` grows."""
+    designs = []
+    for design in wished:
+        chosen = unseen_design(space, seen, generator) if space.key(design) in seen else design
+        if chosen is None:
+            break
+        seen.add(space.key(chosen))
+        designs.append(chosen)
+    return np.array(designs).reshape(-1, space.dimension)
+
+
+def _of_full_rank(
+    space: Space, designs: FloatArray, known: FloatArray, seen: set[bytes], generator: np.random.Generator
+) -> FloatArray:
+    """Replace redundant designs by unseen ones until the rank is full, or as full as the number of points allows."""
+    target = min(space.dimension + 1, len(designs) + len(known))
+    rank = affine_rank(space.to_unit(np.vstack([known, designs])))
+    for _ in range(REPAIR_ATTEMPTS):
+        if rank == target:
+            break
+        replacement = unseen_design(space, seen, generator)
+        if replacement is None:
+            break
+        trial = designs.copy()
+        trial[_redundant(space.to_unit(known), space.to_unit(designs), rank)] = replacement
+        trial_rank = affine_rank(space.to_unit(np.vstack([known, trial])))
+        if trial_rank > rank:
+            designs, rank = trial, trial_rank
+            seen.add(space.key(replacement))
+    return designs
+
+
+def _redundant(known: FloatArray, points: FloatArray, rank: int) -> np.intp:
+    """The index of a point without which the rank stays the same."""
+    without: NDArray[np.bool_] = np.array(
+        [affine_rank(np.vstack([known, np.delete(points, k, axis=0)])) == rank for k in range(len(points))]
+    )
+    return np.argmax(without)

@@ -1,0 +1,110 @@
+"""A site file (TOML): the problem's parameters, variable bounds, given designs, strategy and scalariser settings."""
+
+import dataclasses
+import json
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from railsearch.errors import InputError
+from railsearch.parameters import allowed_values, make_parameters
+from railsearch.plugin_manager import Registry
+from railsearch.problem_factory import checked_sections
+
+
+@dataclass(frozen=True)
+class Site:
+    """What a site file says; sections, strategies and scalarisers as (nested) tables that have been checked."""
+
+    problem: str
+    sections: Mapping[str, Any] = field(default_factory=dict)
+    given: tuple[Mapping[str, float], ...] = ()
+    strategies: Mapping[str, Mapping[str, object]] = field(default_factory=dict)
+    scalarisers: Mapping[str, Mapping[str, object]] = field(default_factory=dict)
+
+
+def read_site(path: Path, registry: Registry, problem: str) -> Site:
+    """Read and check a site file for a problem. Raises InputError naming the file, the field and what is allowed."""
+    document = _parsed(path)
+    named = document.pop("problem", problem)
+    if named != problem:
+        raise InputError(f"{path}: problem: this file describes '{named}', asked for is '{problem}'")
+    strategies = _settings_tables(document.pop("strategy", {}), "strategy", registry, path)
+    scalarisers = _settings_tables(document.pop("scalariser", {}), "scalariser", registry, path)
+    given = document.pop("given", [])
+    if not (isinstance(given, list) and all(isinstance(row, dict) for row in given)):
+        raise InputError(f"{path}: given: tables [[given]] of variables are needed, received {given!r}")
+    checked_sections(registry, problem, document, str(path))
+    return Site(problem, document, tuple(given), strategies, scalarisers)
+
+
+def site_template(registry: Registry, problem: str) -> str:
+    """A commented site file with every default of a problem, of all strategies and of all scalarisers."""
+    lines = [
+        f"# A site for the problem {problem}. Every value is the default; SI units unless the comment says otherwise.",
+        f"problem = {json.dumps(problem)}",
+    ]
+    for section, start in registry.get("problem", problem).sections(registry).items():
+        lines += _table(section, start)
+    lines += ["", "# Designs to evaluate first, after the reference design, whose values hold where none is given."]
+    lines += ["# [[given]]", "# VARIABLE = VALUE"]
+    for kind in ("strategy", "scalariser"):
+        for entry in registry.entries(kind):
+            lines += _table(f"{kind}.{entry.name}", entry.plugin.Parameters())
+    return "\n".join(lines) + "\n"
+
+
+def _parsed(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: is not a TOML file: {error}") from None
+
+
+def _settings_tables(tables: object, kind: str, registry: Registry, path: Path) -> dict[str, Mapping[str, object]]:
+    if not isinstance(tables, dict) or not all(isinstance(table, dict) for table in tables.values()):
+        raise InputError(f"{path}: {kind}: tables [{kind}.NAME] are needed, received {tables!r}")
+    for name, table in tables.items():
+        make_parameters(registry.get(kind, name).Parameters, table, f"{path}: {kind}.{name}")
+    return tables
+
+
+def _table(name: str, group: Any) -> Iterator[str]:
+    fields = dataclasses.fields(group)
+    plain = [item for item in fields if not dataclasses.is_dataclass(getattr(group, item.name))]
+    if plain:
+        yield from ("", f"[{name}]")
+    for item in plain:
+        yield from _assignment(item, getattr(group, item.name))
+    for item in fields:
+        if item not in plain:
+            yield from _table(f"{name}.{item.name}", getattr(group, item.name))
+
+
+def _assignment(item: Any, value: object) -> Iterator[str]:
+    meta = item.metadata
+    unit, allowed, source = meta.get("unit"), allowed_values(meta), meta.get("source")
+    words = [meta.get("meaning", "") + (f" [{unit}]" if unit else ""), allowed and f"allowed {allowed}", source]
+    yield "# " + "; ".join(word for word in words if word)
+    yield f"# {item.name} =" if value is None else f"{item.name} = {_toml(value)}"
+
+
+def _toml(value: object) -> str:
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{json.dumps(key)} = {_toml(entry)}" for key, entry in value.items()) + "}"
+    if isinstance(value, tuple):
+        return "[" + ", ".join(_toml(entry) for entry in value) + "]"
+    return json.dumps(value, ensure_ascii=False)
+
+
+def track_section(path: Path) -> Mapping[str, Any]:
+    """The track model's parameters of a site file, unchecked. Raises InputError if there are none."""
+    document = _parsed(path)
+    if not isinstance(document.get("track"), dict):
+        raise InputError(f"{path}: a section [track] with the track model's parameters is needed; there are {list(document)}")
+    track: Mapping[str, Any] = document["track"]
+    return track
