@@ -118,7 +118,9 @@ def backward_block(lower, width, start, stop, x):  # type: ignore[no-untyped-def
         return
     x1, x2, x3, x4 = x[stop], x[stop + 1], x[stop + 2], x[stop + 3]
     for i in range(stop - 1, start - 1, -1):
-        value = x[i] * lower[0, i] - lower[4, i + 4] * x4 - lower[3, i + 3] * x3 - lower[2, i + 2] * x2 - lower[1, i + 1] * x1
+        value = (
+            x[i] * lower[0, i] - lower[4, i + 4] * x4 - lower[3, i + 3] * x3 - lower[2, i + 2] * x2 - lower[1, i + 1] * x1
+        )
         x4, x3, x2, x1 = x3, x2, x1, value
         x[i] = value
 

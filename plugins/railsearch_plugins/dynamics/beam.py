@@ -25,23 +25,25 @@ def hermite(offset: ArrayLike, length: ArrayLike) -> FloatArray:
 
     N = [1 − 3s² + 2s³, ξ(1 − s)², 3s² − 2s³, ξ s(s − 1)] with s = ξ/l (Przemieniecki 1968, eq. 5.75).
     """
-    xi, l = np.broadcast_arrays(np.asarray(offset, dtype=float), np.asarray(length, dtype=float))
-    s = xi / l
-    return np.stack([1.0 - s * s * (3.0 - 2.0 * s), xi * (1.0 - s) ** 2, s * s * (3.0 - 2.0 * s), xi * s * (s - 1.0)], axis=-1)
+    xi, span = np.broadcast_arrays(np.asarray(offset, dtype=float), np.asarray(length, dtype=float))
+    s = xi / span
+    return np.stack(
+        [1.0 - s * s * (3.0 - 2.0 * s), xi * (1.0 - s) ** 2, s * s * (3.0 - 2.0 * s), xi * s * (s - 1.0)], axis=-1
+    )
 
 
 def bending_matrices(length: ArrayLike, bending_stiffness: float) -> FloatArray:
     """Stiffness matrices (m, 4, 4) of elements of `length` (m,) in m: ∫ EI N″ᵀ N″ dξ (Przemieniecki 1968, eq. 5.121)."""
-    l = np.atleast_1d(np.asarray(length, dtype=float))
-    one = np.ones_like(l)
+    span = np.atleast_1d(np.asarray(length, dtype=float))
+    one = np.ones_like(span)
     rows = [
-        [12 * one, 6 * l, -12 * one, 6 * l],
-        [6 * l, 4 * l * l, -6 * l, 2 * l * l],
-        [-12 * one, -6 * l, 12 * one, -6 * l],
-        [6 * l, 2 * l * l, -6 * l, 4 * l * l],
+        [12 * one, 6 * span, -12 * one, 6 * span],
+        [6 * span, 4 * span * span, -6 * span, 2 * span * span],
+        [-12 * one, -6 * span, 12 * one, -6 * span],
+        [6 * span, 2 * span * span, -6 * span, 4 * span * span],
     ]
     matrices = np.moveaxis(np.array(rows), -1, 0)
-    return np.asarray(bending_stiffness * matrices / (l**3)[:, None, None])
+    return np.asarray(bending_stiffness * matrices / (span**3)[:, None, None])
 
 
 def gram_matrices(length: ArrayLike, start: ArrayLike, stop: ArrayLike) -> FloatArray:
@@ -49,10 +51,10 @@ def gram_matrices(length: ArrayLike, start: ArrayLike, stop: ArrayLike) -> Float
 
     Times a mass per length it is the consistent mass matrix, times a stiffness per length that of a continuous layer.
     """
-    l, a, b = (np.atleast_1d(np.asarray(value, dtype=float)) for value in np.broadcast_arrays(length, start, stop))
+    span, a, b = (np.atleast_1d(np.asarray(value, dtype=float)) for value in np.broadcast_arrays(length, start, stop))
     half = 0.5 * (b - a)
     points = 0.5 * (a + b)[:, None] + half[:, None] * _GAUSS_POINTS
-    rows = hermite(points, l[:, None])
+    rows = hermite(points, span[:, None])
     return np.asarray(np.einsum("m,g,mgi,mgj->mij", half, _GAUSS_WEIGHTS, rows, rows))
 
 

@@ -9,7 +9,7 @@ N        contact row: rail displacement under the wheel = N u          (4,)     
 r        irregularity, positive downward                               scalar       m
 P, F     static wheel load, wheel-rail force (compression positive)    scalar       N
 k_w      contact stiffness                                             scalar       N/m
-A        4 M/dt² + 2 C/dt + K = L D Lᵀ, A_v alike for the vehicle      (b + 1, n)   N/m       Newmark (1959), β = 1/4, γ = 1/2
+A        4 M/dt² + 2 C/dt + K = L D Lᵀ, A_v alike for the vehicle      (b + 1, n)   N/m       Newmark (1959)
 w        half the increment of displacement in a step                  (n,)         m
 
 With β = 1/4 and γ = 1/2 two successive equations of motion, averaged, give A w = (f_n + f_{n+1})/2 + (2/dt) M v_n − K u_n,

@@ -39,7 +39,10 @@ def assemble_track(parameters: LevelCrossingParameters) -> TrackElements:
     parts = (
         _rail(parameters, mesh, numbering),
         _ballast_track(parameters, mesh, sleepers, numbering),
-        *(_slab(parameters, mesh.nodes[part.start : part.stop + 1], unknowns) for part, unknowns in zip(mesh.slabs, numbering.slabs, strict=True)),
+        *(
+            _slab(parameters, mesh.nodes[part.start : part.stop + 1], unknowns)
+            for part, unknowns in zip(mesh.slabs, numbering.slabs, strict=True)
+        ),
         *(_strip(parameters, mesh, numbering, index) for index in range(len(mesh.slabs))),
     )
     mass, damping, stiffness = ([element for part in parts for element in part[kind]] for kind in range(3))

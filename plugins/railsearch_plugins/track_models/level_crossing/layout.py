@@ -96,6 +96,4 @@ def number_unknowns(mesh: Mesh, sleepers: Sleepers) -> Numbering:
     sleeper, *slabs, rail = np.split(first, np.cumsum([at_node.size, *(nodes.size for nodes in slab_nodes)]))
     rail_unknowns = np.stack([rail, rail + 1], axis=1)
     rail_unknowns[[0, -1]] = [[-1, rail[0]], [-1, rail[-1]]]
-    return Numbering(
-        rail_unknowns, tuple(np.stack([slab, slab + 1], axis=1) for slab in slabs), sleeper, int(counts.sum())
-    )
+    return Numbering(rail_unknowns, tuple(np.stack([slab, slab + 1], axis=1) for slab in slabs), sleeper, int(counts.sum()))

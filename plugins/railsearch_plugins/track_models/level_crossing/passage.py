@@ -28,11 +28,15 @@ class Simulated:
 def simulate_passage(
     parameters: LevelCrossingParameters, positions: FloatArray | None = None, states: bool = False
 ) -> Simulated:
-    """Assemble and run; `positions` (t,) in m replace the run from x = 0 at constant speed, `states` keeps all track states."""
+    """Assemble and run; `positions` (t,) in m replace the run from x = 0, `states` keeps all track states."""
     elements = assemble_track(parameters)
-    width = half_bandwidth(elements.stiffness)
-    matrices = (assemble(kind, elements.numbering.size, width) for kind in (elements.mass, elements.damping, elements.stiffness))
-    track = Track(*matrices, elements.numbering.sleepers)
+    width, size = half_bandwidth(elements.stiffness), elements.numbering.size
+    track = Track(
+        assemble(elements.mass, size, width),
+        assemble(elements.damping, size, width),
+        assemble(elements.stiffness, size, width),
+        elements.numbering.sleepers,
+    )
     vehicle = Vehicle(*vehicle_matrices(parameters), parameters.vehicle.static_load, parameters.vehicle.contact_stiffness)
     wheel = wheel_positions(parameters) if positions is None else positions
     contact = make_contact(parameters, elements, wheel)

@@ -1,0 +1,197 @@
+"""What must hold between the parameters of a level crossing, and the critical speed of its track."""
+
+import dataclasses
+import math
+
+import numpy as np
+
+from railsearch.errors import InputError
+from railsearch.parameters import make_parameters
+from railsearch_plugins.track_models.level_crossing.layout import SAME_PLACE, sleeper_distances_from_crossing
+from railsearch_plugins.track_models.level_crossing.parameters import LevelCrossingParameters
+
+
+def checked(parameters: LevelCrossingParameters) -> LevelCrossingParameters:
+    """The parameters themselves, if every field is in its range and they fit together.
+
+    Raises InputError that names the field, the value received and what is allowed.
+    """
+    sound = make_parameters(LevelCrossingParameters, dataclasses.asdict(parameters), "level-crossing")
+    _check_geometry(sound)
+    _check_zone(sound)
+    _check_windows(sound)
+    _check_vehicle(sound)
+    _check_passage(sound)
+    _check_irregularity(sound)
+    return sound
+
+
+def critical_speed(parameters: LevelCrossingParameters) -> float:
+    """The lowest critical speed in m/s over ballast track, embedded rail and slab.
+
+    v_cr = (4 k EI/m²)^(1/4), Euler–Bernoulli beam on a Winkler foundation (Frýba 1999, Vibration of Solids and
+    Structures under Moving Loads, ch. 13), with k and m per metre: on ballast track the softest pad and the ballast in
+    series and rail and sleeper; the rail on the softer strip; rail and slab together on the subgrade.
+    """
+    rail, slab, ballast = parameters.rail, parameters.slab, parameters.ballast
+    share = 0.5 if parameters.railpad.reading == "full-track" else 1.0
+    pad = share * min(parameters.railpad.stiffness, *parameters.zone.pad_stiffness)
+    spacing = parameters.sleeper.spacing
+    support = 1.0 / (1.0 / pad + 1.0 / ballast.stiffness) / spacing
+    heaviest = max(parameters.sleeper.mass, parameters.sleeper.strengthened_mass)
+    strip = min(parameters.strip.type_1_stiffness, parameters.strip.type_2_stiffness)
+    both = rail.bending_stiffness + slab.bending_stiffness
+    return min(
+        _winkler_speed(support, rail.bending_stiffness, rail.mass_per_length + heaviest / spacing),
+        _winkler_speed(strip, rail.bending_stiffness, rail.mass_per_length),
+        _winkler_speed(slab.subgrade_stiffness, both, rail.mass_per_length + slab.mass_per_length),
+    )
+
+
+def _winkler_speed(foundation: float, bending_stiffness: float, mass: float) -> float:
+    return math.sqrt(2.0 * math.sqrt(foundation * bending_stiffness) / mass)
+
+
+def _require(holds: bool, field: str, rule: str, value: object, remedy: str) -> None:
+    if not holds:
+        raise InputError(f"level-crossing.{field}: {rule}, received {value}; {remedy}")
+
+
+def _check_geometry(parameters: LevelCrossingParameters) -> None:
+    geometry = parameters.geometry
+    _require(
+        geometry.departure_length > parameters.sleeper.spacing,
+        "geometry.total_length",
+        f"approach and crossing need {geometry.crossing_end:g} m and there must be ballast track beyond them",
+        f"{geometry.total_length:g} m",
+        "lengthen the track or shorten the crossing",
+    )
+
+
+def _check_zone(parameters: LevelCrossingParameters) -> None:
+    geometry, zone = parameters.geometry, parameters.zone
+    _require(len(zone.pad_stiffness) > 0, "zone.pad_stiffness", "one or more pads are needed", "none", "give the pads")
+    _require(
+        len(zone.sleeper_distances) > 0, "zone.sleeper_distances", "one or more are needed", "none", "give the distances"
+    )
+    _require(
+        zone.type_2_strip_length <= geometry.crossing_length + SAME_PLACE,
+        "zone.type_2_strip_length",
+        f"the strip must fit in the crossing of {geometry.crossing_length:g} m",
+        f"{zone.type_2_strip_length:g} m",
+        "shorten it",
+    )
+    shorter = min(geometry.approach_length, geometry.departure_length)
+    _require(
+        sum(zone.sleeper_distances) < shorter,
+        "zone.sleeper_distances",
+        f"their sum must be less than the shorter ballast track of {shorter:g} m, the zone being mirrored",
+        f"{sum(zone.sleeper_distances):g} m",
+        "use fewer or shorter distances",
+    )
+    sleepers = sleeper_distances_from_crossing(zone, parameters.sleeper.spacing, shorter).size
+    for field, count in (("strengthened_sleepers", zone.strengthened_sleepers), ("pad_stiffness", len(zone.pad_stiffness))):
+        rule = f"there are {sleepers} sleepers on the shorter ballast track of {shorter:g} m"
+        _require(count <= sleepers, f"zone.{field}", rule, count, f"use {sleepers} or fewer, or lengthen the track")
+
+
+def _check_windows(parameters: LevelCrossingParameters) -> None:
+    geometry, windows = parameters.geometry, parameters.windows
+    _require(
+        windows.force_before <= geometry.approach_length,
+        "windows.force_before",
+        f"the window must begin on the approach of {geometry.approach_length:g} m",
+        f"{windows.force_before:g} m",
+        "shorten the window or lengthen geometry.approach_length",
+    )
+    room = geometry.total_length - geometry.approach_length
+    _require(
+        windows.force_after is None or windows.force_after <= room,
+        "windows.force_after",
+        f"the track ends {room:g} m after the first interface",
+        f"{windows.force_after} m",
+        "shorten the window or lengthen geometry.total_length",
+    )
+    after = geometry.crossing_length if windows.force_after is None else windows.force_after
+    least = 2.0 * parameters.passage.speed * parameters.passage.time_step
+    _require(
+        windows.force_before + after >= least,
+        "windows.force_before",
+        f"the force window must hold at least two time steps ({least:g} m)",
+        f"a window of {windows.force_before + after:g} m",
+        "lengthen the window",
+    )
+    approach = sleeper_distances_from_crossing(parameters.zone, parameters.sleeper.spacing, geometry.approach_length).size
+    _require(
+        windows.energy_sleepers <= approach,
+        "windows.energy_sleepers",
+        f"there are {approach} sleepers before the crossing",
+        windows.energy_sleepers,
+        "measure fewer or lengthen geometry.approach_length",
+    )
+
+
+def _check_vehicle(parameters: LevelCrossingParameters) -> None:
+    vehicle = parameters.vehicle
+    least = vehicle.gravity * (vehicle.bogie_mass + vehicle.wheelset_mass)
+    _require(
+        vehicle.static_load > least,
+        "vehicle.wheel_load",
+        f"bogie and wheelset alone weigh {least:g} N and the carbody must weigh something",
+        f"{vehicle.wheel_load} N",
+        "raise the load or lower the masses",
+    )
+
+
+def _check_passage(parameters: LevelCrossingParameters) -> None:
+    passage, critical = parameters.passage, critical_speed(parameters)
+    _require(
+        passage.speed < critical,
+        "passage.speed",
+        f"the speed must stay below the critical speed of the track, {critical:.1f} m/s ({3.6 * critical:.0f} km/h)",
+        f"{passage.speed:g} m/s",
+        "lower the speed or stiffen the track",
+    )
+    closest = min(parameters.sleeper.spacing, *parameters.zone.sleeper_distances)
+    _require(
+        passage.speed * passage.time_step <= closest,
+        "passage.time_step",
+        f"the wheel may advance by no more than the smallest sleeper distance of {closest:g} m in a step",
+        f"{passage.time_step:g} s ({passage.speed * passage.time_step:g} m)",
+        f"use {closest / passage.speed:.2g} s or less",
+    )
+    _require(
+        passage.element_length <= closest + SAME_PLACE,
+        "passage.element_length",
+        f"an element may not be longer than the smallest sleeper distance of {closest:g} m",
+        f"{passage.element_length:g} m",
+        "shorten the elements",
+    )
+
+
+def _check_irregularity(parameters: LevelCrossingParameters) -> None:
+    position, height = parameters.irregularity.position, parameters.irregularity.height
+    _require(
+        len(position) == len(height) and len(position) != 1,
+        "irregularity.height",
+        "as many heights as positions are needed, none or at least two",
+        f"{len(position)} positions and {len(height)} heights",
+        "give one height per position",
+    )
+    if position:
+        steps = np.diff(position)
+        _require(
+            bool((steps > 0.0).all()),
+            "irregularity.position",
+            "positions must ascend",
+            f"a step of {steps.min():g} m",
+            "sort them",
+        )
+        end = parameters.geometry.total_length
+        _require(
+            position[0] <= 0.0 and position[-1] >= end,
+            "irregularity.position",
+            f"positions must cover the run from 0 to {end:g} m",
+            f"{position[0]:g} to {position[-1]:g} m",
+            "extend the measured profile",
+        )

@@ -1,0 +1,45 @@
+"""The track model `level-crossing`: a passage over it, and what is measured."""
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+from railsearch.interfaces import Quantity, Response
+from railsearch_plugins.track_models.level_crossing.checks import checked
+from railsearch_plugins.track_models.level_crossing.parameters import LevelCrossingParameters
+
+
+class LevelCrossing:
+    """One wheel crosses ballast track, embedded-rail slabs and ballast track again (Shang et al. 2023)."""
+
+    Parameters = LevelCrossingParameters
+    metrics: ClassVar[Sequence[Quantity]] = (
+        Quantity("F_rms", "N", "root mean square of the wheel-rail force in the force window"),
+        Quantity("F_max", "N", "largest minus smallest wheel-rail force in the force window"),
+        Quantity("E_rms", "N·m", "root mean square over the sleepers of the energy dissipated in the ballast"),
+        Quantity("E_max", "N·m", "largest minus smallest energy dissipated in the ballast under a sleeper"),
+        Quantity("E_adjacent", "N·m", "largest difference of that energy between neighbouring sleepers"),
+        Quantity("A_max", "m/s²", "largest minus smallest carbody acceleration in the force window"),
+    )
+    histories: ClassVar[Sequence[Quantity]] = (
+        Quantity("time", "s", "time since the start"),
+        Quantity("wheel_position", "m", "position of the wheel"),
+        Quantity("wheel_rail_force", "N", "wheel-rail force, compression positive"),
+        Quantity("rail_displacement", "m", "rail under the wheel, downward"),
+        Quantity("wheel_displacement", "m", "wheel from touching an unloaded level rail, downward"),
+        Quantity("carbody_acceleration", "m/s²", "carbody, downward"),
+        Quantity("sleeper_position", "m", "position of every sleeper"),
+        Quantity("sleeper_energy", "N·m", "energy dissipated in the ballast under every sleeper over the passage"),
+    )
+
+    def simulate(self, parameters: LevelCrossingParameters, histories: bool = False) -> Response:
+        """Simulate one passage, from static equilibrium with the wheel on the left end of the track.
+
+        Returns the metrics, and with `histories` the histories of `LevelCrossing.histories`: (t,) for the wheel, (s,) for
+        the sleepers. Raises InputError for parameters that are not allowed, SimulationError if the solution diverges.
+        """
+        sound = checked(parameters)
+        from railsearch_plugins.track_models.level_crossing import measures, passage  # compiled kernels, loaded when used
+
+        simulated = passage.simulate_passage(sound)
+        series = measures.make_histories(sound, simulated)
+        return Response(measures.measure(sound, series), series if histories else {})
