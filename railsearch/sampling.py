@@ -61,10 +61,10 @@ def random_designs(space: Space, n_points: int, generator: np.random.Generator) 
 def unseen_design(space: Space, seen: set[bytes], generator: np.random.Generator) -> FloatArray | None:
     """Draw a uniform design (d,) whose `space.key` is not in `seen`; None if every design of the space has been seen."""
     if space.size <= 2 * len(seen):
-        unseen = [design for design in _all_designs(space) if space.key(design) not in seen]
-        return unseen[generator.integers(len(unseen))] if unseen else None
+        unseen: list[FloatArray] = [design for design in _all_designs(space) if space.key(design) not in seen]
+        return unseen[int(generator.integers(len(unseen)))] if unseen else None
     while True:
-        design = random_designs(space, 1, generator)[0]
+        design: FloatArray = random_designs(space, 1, generator)[0]
         if space.key(design) not in seen:
             return design
 

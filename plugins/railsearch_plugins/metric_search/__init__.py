@@ -1,0 +1,1 @@
+"""Metric stochastic response surface search: the common ground of `dycors` and `lmsrs`."""

@@ -1,0 +1,73 @@
+"""Candidates: random perturbations of the incumbent.
+
+| symbol | meaning | shape | unit | source |
+|---|---|---|---|---|
+| x* | incumbent, the best design of the trajectory | (d,) | native | |
+| σ | standard deviation of a perturbation | scalar | of the range | Regis and Shoemaker 2007 |
+| p(n) | probability with which a coordinate is perturbed | scalar | - | Regis and Shoemaker 2013, eq. (4) |
+| p₀ | p at the first perturbation | scalar | - | Regis and Shoemaker 2013 |
+| n, n₀, N | evaluations of the trajectory so far, its initial ones, those it may spend in all | scalars | - | |
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railsearch.space import FloatArray, Space
+
+
+def perturbation_probability(n: int, n_initial: int, budget: int, p_initial: float) -> float:
+    """The probability p(n) = p₀ [1 − ln(n − n₀ + 1)/ln(N − n₀)] with which a coordinate is perturbed.
+
+    It falls from p₀ at n = n₀ to 0 at the last evaluation n = N − 1, and stays p₀ where N − n₀ ≤ 1.
+    Source: Regis and Shoemaker 2013, eq. (4).
+    """
+    if budget - n_initial <= 1:
+        return p_initial
+    return p_initial * max(0.0, 1.0 - math.log(n - n_initial + 1) / math.log(budget - n_initial))
+
+
+def perturbed(
+    space: Space,
+    incumbent: FloatArray,
+    sigma: float,
+    probability: float,
+    count: int,
+    generator: np.random.Generator,
+) -> FloatArray:
+    """Candidates (count, d), in native units, around the incumbent (d,): σ N(0, 1) on the chosen coordinates.
+
+    Each coordinate is chosen with the given probability, one at least. Perturbations are fractions of the range, reflected
+    at the bounds; a chosen integer moves by one step or more and is rounded.
+    Source: Regis and Shoemaker 2013, section 3.2; integers: Müller 2016, section 3.2.
+    """
+    chosen = _chosen_coordinates(count, space.dimension, probability, generator)
+    steps = sigma * generator.standard_normal(chosen.shape)
+    one = 1.0 / (space.upper - space.lower)
+    steps = np.where(space.integer & (np.abs(steps) < one), np.copysign(one, steps), steps)
+    moved = space.from_unit(reflected(space.to_unit(incumbent) + steps))
+    moved = np.where(space.integer & (moved == incumbent), _one_step(space, incumbent, steps), moved)
+    return np.where(chosen, moved, incumbent)
+
+
+def reflected(points: FloatArray) -> FloatArray:
+    """Points brought into the unit cube by mirroring at its faces, as often as needed."""
+    folded = np.mod(points, 2.0)
+    return np.where(folded > 1.0, 2.0 - folded, folded)
+
+
+def _chosen_coordinates(count: int, dimension: int, probability: float, generator: np.random.Generator) -> NDArray[np.bool_]:
+    """A mask (count, d) in which every row has one chosen coordinate at least."""
+    chosen: NDArray[np.bool_] = generator.random((count, dimension)) < probability
+    fallback = generator.integers(dimension, size=count)
+    idle = ~chosen.any(axis=1)
+    chosen[idle, fallback[idle]] = True
+    return chosen
+
+
+def _one_step(space: Space, incumbent: FloatArray, steps: FloatArray) -> FloatArray:
+    """The incumbent moved by one step of the integers, in the direction of `steps` or off the bound."""
+    ahead = incumbent + np.sign(steps)
+    inside = (ahead >= space.lower) & (ahead <= space.upper)
+    return np.where(inside, ahead, incumbent - np.sign(steps))

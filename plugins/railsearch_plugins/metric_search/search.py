@@ -1,0 +1,128 @@
+"""Ask and tell of a metric stochastic response surface search."""
+
+import itertools
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from railsearch.interfaces import Evaluation, Proposal, SearchContext, Surrogate
+from railsearch.sampling import initial_design, random_designs
+from railsearch.space import FloatArray
+
+from .candidates import perturbed
+from .merit import select
+from .parameters import MetricSearchParameters
+from .trajectory import Trajectory
+from .tree_search import tree_search
+
+
+class MetricSearch:
+    """Initial design, candidates around the incumbent, merit, step size and restarts.
+
+    `probability` tells with which probability a coordinate is perturbed, given the trajectory. Every evaluation of the run
+    counts for the distance term and is not proposed again; only those since the last restart that did not fail join the
+    surrogate.
+    Source: Regis and Shoemaker 2007, 2013.
+    """
+
+    def __init__(
+        self, context: SearchContext, parameters: MetricSearchParameters, probability: Callable[[Trajectory], float]
+    ) -> None:
+        self._context = context
+        self._parameters = parameters
+        self._probability = probability
+        self._weights = itertools.cycle(parameters.weights)
+        self._trajectory = Trajectory(0, context.budget, context.space.dimension, parameters)
+        self._initial: list[FloatArray] = []
+        self._evaluated: dict[bytes, FloatArray] = {}
+
+    def ask(self) -> Sequence[Proposal]:
+        """Initial designs as long as there are any, then the candidates of lowest merit."""
+        if not self._initial:
+            proposals = self._proposals()
+            if proposals:
+                return proposals
+        size = self._context.batch_size
+        batch, self._initial = self._initial[:size], self._initial[size:]
+        return [Proposal(design, "initial", self._trajectory.number) for design in batch]
+
+    def tell(self, evaluations: Sequence[Evaluation]) -> None:
+        """Take in evaluations in their order, asked for or not, failed ones and repeated ones."""
+        space = self._context.space
+        for evaluation in evaluations:
+            key = space.key(evaluation.design)
+            repeated = evaluation.repeated or key in self._evaluated
+            value = None if evaluation.failed else float(evaluation.objectives[0])
+            self._evaluated[key] = evaluation.design
+            self._trajectory.record(space.to_unit(evaluation.design), value, repeated)
+
+    def _proposals(self) -> list[Proposal]:
+        """Proposals of the search proper; where it cannot go on, none and a new supply of initial designs."""
+        trajectory = self._trajectory
+        missing = self._initial_size() - trajectory.evaluations
+        if not trajectory.searching and missing > 0:
+            return self._supply(missing)
+        surrogate = trajectory.refresh(self._new_surrogate)
+        if surrogate is None:
+            return self._supply(self._context.batch_size)
+        if not trajectory.searching:
+            trajectory.begin_search()
+        proposals = [] if trajectory.step.exhausted else self._search(surrogate)
+        return proposals or self._restart()
+
+    def _search(self, surrogate: Surrogate) -> list[Proposal]:
+        """The candidates of lowest merit; none if all of them lie too near to evaluated points."""
+        space, parameters = self._context.space, self._parameters
+        candidates = self._candidates()
+        n_perturbed = len(candidates)
+        if parameters.tree_search and space.integer.any():
+            candidates = np.vstack([candidates, self._leaves(surrogate, candidates)])
+        evaluated = space.to_unit(np.array(list(self._evaluated.values())))
+        chosen = select(
+            candidates,
+            surrogate.predict(candidates),
+            evaluated,
+            self._weights,
+            self._context.batch_size,
+            parameters.minimum_distance,
+        )
+        designs = space.from_unit(candidates[chosen])
+        origins = ["perturbation" if k < n_perturbed else "tree-search" for k in chosen]
+        return [Proposal(*pair, self._trajectory.number) for pair in zip(designs, origins, strict=True)]
+
+    def _candidates(self) -> FloatArray:
+        """Perturbations (t, d) of the incumbent, unit cube."""
+        space, parameters, trajectory = self._context.space, self._parameters, self._trajectory
+        assert trajectory.incumbent is not None
+        count = min(parameters.candidates_per_dimension * space.dimension, parameters.maximum_candidates)
+        incumbent = space.from_unit(trajectory.incumbent)
+        probability = self._probability(trajectory)
+        return space.to_unit(perturbed(space, incumbent, trajectory.step.sigma, probability, count, self._context.generator))
+
+    def _leaves(self, surrogate: Surrogate, candidates: FloatArray) -> FloatArray:
+        pool = np.vstack([candidates, self._trajectory.points])
+        starts, nodes = self._parameters.tree_search_starts, self._parameters.tree_search_nodes
+        return tree_search(surrogate, self._context.space, pool, starts, nodes)
+
+    def _restart(self) -> list[Proposal]:
+        """Start afresh: earlier points stay out of the surrogate and are not proposed again."""
+        left = self._context.budget - len(self._evaluated)
+        self._trajectory = Trajectory(self._trajectory.number + 1, left, self._context.space.dimension, self._parameters)
+        return self._supply(self._initial_size())
+
+    def _supply(self, count: int) -> list[Proposal]:
+        """Lay in initial designs, cut at the budget; if every design has been seen, a random one keeps the run going."""
+        space, generator = self._context.space, self._context.initial_generator
+        size = max(1, min(count, self._context.budget - len(self._evaluated)))
+        avoided = np.array(list(self._evaluated.values())).reshape(-1, space.dimension)
+        known = space.from_unit(self._trajectory.points)
+        designs = initial_design(space, size, generator, known, avoided)
+        self._initial = list(designs if len(designs) else random_designs(space, 1, generator))
+        return []
+
+    def _initial_size(self) -> int:
+        wished = self._parameters.initial_size or max(20, 2 * (self._context.space.dimension + 1))
+        return min(wished, self._trajectory.budget)
+
+    def _new_surrogate(self) -> Surrogate:
+        return self._context.surrogate(self._parameters.surrogate, self._parameters.surrogate_settings or {})

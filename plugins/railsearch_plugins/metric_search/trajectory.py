@@ -1,0 +1,96 @@
+"""What has been learnt since the last restart."""
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.spatial.distance import cdist
+
+from railsearch.errors import SurrogateError
+from railsearch.interfaces import Surrogate
+from railsearch.space import FloatArray
+
+from .parameters import MetricSearchParameters
+from .step_size import StepSize
+
+
+class Trajectory:
+    """The points (unit cube), incumbent, step size and surrogate of the search since a restart.
+
+    number: how many restarts came before; budget: how many evaluations were left when it started.
+    """
+
+    def __init__(self, number: int, budget: int, dimension: int, parameters: MetricSearchParameters) -> None:
+        self.number = number
+        self.budget = budget
+        self.evaluations = 0
+        self.initial_size: int | None = None
+        self.incumbent: FloatArray | None = None
+        self.best_value = np.inf
+        self.surrogate: Surrogate | None = None
+        self.step = StepSize(
+            parameters.sigma_start,
+            parameters.halvings_before_restart,
+            parameters.failure_tolerance or max(dimension, 5),
+            parameters.success_tolerance,
+        )
+        self._dimension = dimension
+        self._parameters = parameters
+        self._points: list[FloatArray] = []
+        self._values: list[float] = []
+        self._fitted = 0
+
+    @property
+    def searching(self) -> bool:
+        """Whether the initial design is behind us."""
+        return self.initial_size is not None
+
+    @property
+    def points(self) -> FloatArray:
+        """The points (n, d) that belong in the surrogate."""
+        return np.array(self._points).reshape(-1, self._dimension)
+
+    def begin_search(self) -> None:
+        """Declare what has been evaluated so far the initial design."""
+        self.initial_size = self.evaluations
+
+    def record(self, point: FloatArray, value: float | None, repeated: bool) -> None:
+        """Take in an evaluated point (d,); `value` is None if it failed. A repeated one is but a failure to improve."""
+        learnt = None if repeated else value
+        self.evaluations += not repeated
+        if self.searching:
+            self.step.record(learnt is not None and self._improves(learnt))
+        if learnt is None:
+            return
+        if self._apart(point):
+            self._points.append(point)
+            self._values.append(learnt)
+        if learnt < self.best_value:
+            self.incumbent, self.best_value = point, learnt
+
+    def refresh(self, make: Callable[[], Surrogate]) -> Surrogate | None:
+        """The surrogate through all points so far; None if they do not determine it."""
+        try:
+            self._add_new_points()
+        except SurrogateError:
+            self.surrogate = None
+        if self.surrogate is None:
+            self._fit(make())
+        return self.surrogate
+
+    def _add_new_points(self) -> None:
+        if self.surrogate is not None and self._fitted < len(self._points):
+            self.surrogate.add(self.points[self._fitted :], np.array(self._values[self._fitted :]))
+            self._fitted = len(self._points)
+
+    def _fit(self, surrogate: Surrogate) -> None:
+        try:
+            surrogate.fit(self.points, np.array(self._values))
+        except SurrogateError:
+            return
+        self.surrogate, self._fitted = surrogate, len(self._points)
+
+    def _improves(self, value: float) -> bool:
+        return bool(value < self.best_value - self._parameters.improvement_threshold * abs(self.best_value))
+
+    def _apart(self, point: FloatArray) -> bool:
+        return not self._points or cdist(point[None, :], self.points).min() >= self._parameters.minimum_distance
