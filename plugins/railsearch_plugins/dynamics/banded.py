@@ -62,6 +62,14 @@ def block_widths(band: FloatArray) -> tuple[IntArray, IntArray]:
     return np.maximum.reduceat(rows, starts), np.maximum.reduceat(columns, starts)
 
 
+def diagonal_ranges(band: FloatArray) -> tuple[IntArray, IntArray]:
+    """First row and one past the last row (b + 1,) in which each lower diagonal has an entry; k, k where it has none."""
+    used = [np.flatnonzero(diagonal) for diagonal in band]
+    starts = [int(rows[0]) if rows.size else k for k, rows in enumerate(used)]
+    stops = [int(rows[-1]) + 1 if rows.size else k for k, rows in enumerate(used)]
+    return np.array(starts), np.array(stops)
+
+
 @njit(cache=True, fastmath={"contract"})
 def factorise(band):  # type: ignore[no-untyped-def]
     """LDLᵀ of a symmetric positive definite banded matrix; the reciprocal of D in row 0 of the result.
@@ -140,14 +148,15 @@ def backward(lower, column_widths, x):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, fastmath={"contract"})
-def add_product(band, x, y):  # type: ignore[no-untyped-def]
-    """y += A x for a symmetric banded matrix."""
-    size = x.size
-    for i in range(size):
-        y[i] += band[0, i] * x[i]
-    for k in range(1, band.shape[0]):
-        diagonal = band[k]
-        for i in range(k, size):
-            y[i] += diagonal[i] * x[i - k]
-        for i in range(size - k):
-            y[i] += diagonal[i + k] * x[i + k]
+def add_products(first, second, starts, stops, x, z, y):  # type: ignore[no-untyped-def]
+    """y += A x + B z for two symmetric banded matrices that share the `diagonal_ranges` of their sum."""
+    for k in range(first.shape[0]):
+        start, stop = starts[k], stops[k]
+        a, b = first[k, start:stop], second[k, start:stop]
+        x_here, z_here, y_here = x[start:stop], z[start:stop], y[start:stop]
+        x_near, z_near, y_near = x[start - k : stop - k], z[start - k : stop - k], y[start - k : stop - k]
+        for i in range(stop - start):
+            y_here[i] += a[i] * x_near[i] + b[i] * z_near[i]
+        if k > 0:
+            for i in range(stop - start):
+                y_near[i] += a[i] * x_here[i] + b[i] * z_here[i]

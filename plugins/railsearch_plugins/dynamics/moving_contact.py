@@ -27,9 +27,10 @@ from numba import njit
 
 from railsearch_plugins.dynamics.banded import (
     BLOCK,
-    add_product,
+    add_products,
     backward,
     block_widths,
+    diagonal_ranges,
     factorise,
     forward,
     forward_block,
@@ -97,6 +98,7 @@ def pass_over(track: Track, vehicle: Vehicle, contact: Contact, time_step: float
             column_widths,
             scaled_mass,
             -track.stiffness,
+            *diagonal_ranges(newmark),
             track.supports,
             compliance,
             (2.0 / time_step) * vehicle.mass,
@@ -147,11 +149,10 @@ def _seen(unknowns, row, u):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, fastmath={"contract"})
-def _known_load(scaled_mass, minus_stiffness, u, v, unknowns, row, force, y):  # type: ignore[no-untyped-def]
+def _known_load(scaled_mass, minus_stiffness, starts, stops, u, v, unknowns, row, force, y):  # type: ignore[no-untyped-def]
     """y = (2/dt) M v_n − K u_n + f_n/2."""
     y[:] = 0.0
-    add_product(scaled_mass, v, y)
-    add_product(minus_stiffness, u, y)
+    add_products(scaled_mass, minus_stiffness, starts, stops, v, u, y)
     for k in range(unknowns.size):
         if unknowns[k] >= 0:
             y[unknowns[k]] += 0.5 * force * row[k]
@@ -178,7 +179,7 @@ def _contact_force(lower, q, y, start, stop, gap, wheel_compliance, stiffness): 
 
 @njit(cache=True, fastmath={"contract"})
 def _integrate(  # type: ignore[no-untyped-def]
-    lower, row_widths, column_widths, scaled_mass, minus_stiffness, supports, compliance, vehicle_scaled_mass,
+    lower, row_widths, column_widths, scaled_mass, minus_stiffness, starts, stops, supports, compliance, vehicle_scaled_mass,
     vehicle_stiffness, static_load, contact_stiffness, unknowns, rows, irregularity, time_step, states,
 ):  # fmt: skip
     steps, size, parts = irregularity.size, lower.shape[1], compliance.shape[0]
@@ -192,7 +193,7 @@ def _integrate(  # type: ignore[no-untyped-def]
     z[0] = static_load / contact_stiffness + irregularity[0]
     wheel[0] = z[0, -1]
     for n in range(1, steps):
-        _known_load(scaled_mass, minus_stiffness, u, v, unknowns[n - 1], rows[n - 1], force[n - 1], y)
+        _known_load(scaled_mass, minus_stiffness, starts, stops, u, v, unknowns[n - 1], rows[n - 1], force[n - 1], y)
         forward(lower, row_widths, y)
         start, stop = _contact_column(lower, row_widths, unknowns[n], rows[n], q)
         load = vehicle_scaled_mass @ zv[n - 1] - vehicle_stiffness @ z[n - 1]

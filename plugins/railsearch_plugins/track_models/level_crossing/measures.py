@@ -21,7 +21,7 @@ def make_histories(parameters: LevelCrossingParameters, simulated: Simulated) ->
     """The histories of a passage by name. Raises SimulationError if one of them is not finite."""
     passage = simulated.passage
     histories: dict[str, FloatArray] = {
-        "time": parameters.passage.time_step * np.arange(simulated.position.size),
+        "time": parameters.passage.time_step * np.arange(simulated.position.size, dtype=np.float64),
         "wheel_position": simulated.position,
         "wheel_rail_force": passage.force,
         "rail_displacement": passage.rail,
