@@ -130,8 +130,8 @@ class BudgetedEvaluator:
         same = np.array_equal(stored.design, proposal.design) and stored.origin == proposal.origin
         if not same:
             raise StorageError(
-                f"the record differs from this run at evaluation {self.spent + 1}: it was made by other versions of railsearch, "
-                "of a plugin or of a library. Use the versions named in the record, or start a new run elsewhere"
+                f"the record differs from this run at evaluation {self.spent + 1}: it was made by other versions of "
+                "railsearch, of a plugin or of a library. Use the versions named in the record, or start a new run elsewhere"
             )
         if not stored.failed:
             self._problem.replay(stored)

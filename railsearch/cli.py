@@ -43,14 +43,16 @@ def railsearch_commands(register: Callable[[str, Any], None]) -> None:
 def main() -> None:
     """Run the command line; an error that the user can mend ends it with code 2."""
     logging.getLogger("optuna").setLevel(logging.WARNING)
-    app = typer.Typer(help=HELP, no_args_is_help=True, add_completion=False, rich_markup_mode="markdown")
+    app = typer.Typer(
+        help=HELP, no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, rich_markup_mode="markdown"
+    )
     try:
         registry = load_plugins()
         for warning in registry.warnings:
-            messages.print(f"railsearch: warning: {warning}", markup=False)
+            messages.print(f"railsearch: warning: {warning}")
         for entry in registry.entries("command"):
             app.command(entry.name)(entry.plugin)
         app(prog_name="railsearch")
     except RailsearchError as error:
-        messages.print(f"railsearch: error: {error}", markup=False, soft_wrap=True)
+        messages.print(f"railsearch: error: {error}", soft_wrap=True)
         sys.exit(2)

@@ -118,14 +118,13 @@ class ScalarisedProblem(DesignProblem):
         known = {metric.name for metric in base.metrics}
         raw = tuple(objective for objective in base.objectives if objective.name not in known)
         scalar = Quantity(scalariser_name, meaning=f"{scalariser_name} of {', '.join(q.name for q in base.objectives)}")
-        super().__init__(
-            base.name, base.space, [scalar], base.metrics + raw, base.reference, base.worst, base.n_ieq_constr
-        )
+        super().__init__(base.name, base.space, [scalar], base.metrics + raw, base.reference, base.worst, base.n_ieq_constr)
         self.base = base
         self.scalariser = copy.copy(scalariser)
 
     @property
     def label(self) -> str:
+        """Name, scalariser and the objectives behind it."""
         return f"{self.name} ({self.objectives[0].name} of {', '.join(q.name for q in self.base.objectives)})"
 
     def simulate(self, design: FloatArray) -> Outcome:
@@ -150,6 +149,7 @@ class ScalarisedProblem(DesignProblem):
         return Outcome(scalar, outcome.metrics, outcome.constraints)
 
     def figures(self, designs: Mapping[str, FloatArray]) -> Mapping[str, Figure]:
+        """The base problem's pictures."""
         return self.base.figures(designs)
 
     def replay(self, evaluation: Evaluation) -> None:
@@ -161,8 +161,8 @@ class ScalarisedProblem(DesignProblem):
             return
         if self.reference is None or not np.array_equal(design, self.reference):
             raise InputError(
-                f"{self.objectives[0].name}: the objectives of the reference design are needed, and its evaluation failed or "
-                "was not made first; give the scalariser its aspiration values"
+                f"{self.objectives[0].name}: the objectives of the reference design are needed, and its evaluation failed "
+                "or was not made first; give the scalariser its aspiration values"
             )
         self.scalariser.prepare(raw)
 

@@ -10,7 +10,7 @@ import types
 import typing
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 from railsearch.errors import InputError
 
@@ -84,7 +84,7 @@ def amend_parameters(start: P, values: Mapping[str, object], where: str) -> P:
         if dataclasses.is_dataclass(current):
             if not isinstance(value, Mapping):
                 raise InputError(f"{place}: a table of parameters is needed, received {value!r}")
-            changes[name] = amend_parameters(current, value, place)
+            changes[name] = amend_parameters(cast(Any, current), value, place)
         else:
             changes[name] = _checked(value, hints[name], fields[name].metadata, place)
     try:
@@ -153,18 +153,19 @@ def _converted(value: object, kind: object) -> object:
         if kind is int and value != int(value if math.isfinite(value) else 0):
             return None
         return int(value) if kind is int else float(value)
-    return value if isinstance(value, typing.cast(type, kind)) else None
+    return value if isinstance(value, cast(type, kind)) else None
 
 
 def _check_range(value: object, meta: Mapping[str, Any], place: str) -> None:
     for item in value if isinstance(value, tuple) else (value,):
         number = isinstance(item, float | int) and not isinstance(item, bool)
-        if number and not math.isfinite(typing.cast(float, item)):
+        if number and not math.isfinite(cast(float, item)):
             raise InputError(f"{place}: a finite number is needed, received {item!r}")
-        if (number and not _inside(typing.cast(float, item), meta)) or (
+        if (number and not _inside(cast(float, item), meta)) or (
             isinstance(item, str) and meta.get("choices") and item not in meta["choices"]
         ):
-            raise InputError(f"{place}: allowed is {allowed_values(meta)}, received {item!r} {meta.get('unit', '')}".rstrip())
+            unit = meta.get("unit", "")
+            raise InputError(f"{place}: allowed is {allowed_values(meta)}, received {item!r} {unit}".rstrip())
 
 
 def _inside(number: float, meta: Mapping[str, Any]) -> bool:
@@ -181,7 +182,7 @@ def _in_words(kind: object) -> str:
     names = {int: "an integer", float: "a number", str: "a string", bool: "true or false"}
     if typing.get_origin(kind) is tuple:
         return "a list"
-    return names.get(typing.cast(type, kind), "a table")
+    return names.get(cast(type, kind), "a table")
 
 
 def _did_you_mean(name: str, known: Sequence[str]) -> str:

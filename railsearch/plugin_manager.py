@@ -28,6 +28,7 @@ BUILT_IN_PACKAGES = (
     "railsearch_plugins.scalarisers",
     "railsearch_problems",
 )
+BUILT_IN_MODULES = ("railsearch.cli",)
 KINDS = {
     "track-model": "railsearch_track_models",
     "surrogate": "railsearch_surrogates",
@@ -156,7 +157,8 @@ def _add(entries: dict[tuple[str, str], Entry], entry: Entry) -> None:
     if taken is not None:
         both = " and by ".join(f"{o.distribution} {o.version} ({o.module})" for o in (taken.provenance, entry.provenance))
         raise PluginError(
-            f"the {entry.kind} name '{entry.name}' is registered twice, by {both}: uninstall one of them or rename its plugin"
+            f"the {entry.kind} name '{entry.name}' is registered twice, by {both}: "
+            "uninstall one of them or rename its plugin"
         )
     entries[entry.kind, entry.name] = entry
 
@@ -180,10 +182,12 @@ def _register(
 
 
 def _broken(origin: Provenance, what: str) -> str:
-    return f"plugin {origin.module} of {origin.distribution} {origin.version} {what}. Update or uninstall {origin.distribution}"
+    distribution = origin.distribution
+    return f"plugin {origin.module} of {distribution} {origin.version} {what}. Update or uninstall {distribution}"
 
 
 def _built_in_modules() -> Iterator[ModuleType]:
+    yield from map(importlib.import_module, BUILT_IN_MODULES)
     for name in BUILT_IN_PACKAGES:
         package = importlib.import_module(name)
         for info in pkgutil.iter_modules(package.__path__):

@@ -31,7 +31,8 @@ def checked_sections(registry: Registry, name: str, values: Mapping[str, Any], w
         if not isinstance(value, Mapping):
             raise InputError(f"{where}.{section}: a table is needed, received {value!r}")
     return {
-        section: amend_parameters(start, values.get(section, {}), f"{where}.{section}") for section, start in defaults.items()
+        section: amend_parameters(start, values.get(section, {}), f"{where}.{section}")
+        for section, start in defaults.items()
     }
 
 

@@ -18,7 +18,7 @@ from railsearch.budget import BudgetedEvaluator
 from railsearch.design_problem import DesignProblem
 from railsearch.errors import BudgetExhausted, CapabilityError, InputError
 from railsearch.indicators import non_dominated
-from railsearch.interfaces import Capabilities, Evaluation, Proposal, SearchContext, Strategy
+from railsearch.interfaces import Capabilities, Evaluation, Proposal, SearchContext, Strategy, Surrogate
 from railsearch.parameters import make_parameters
 from railsearch.plugin_manager import Registry
 from railsearch.seeding import run_generators
@@ -139,8 +139,8 @@ def check_capabilities(name: str, capabilities: Capabilities, problem: DesignPro
     if problem.n_obj > 1 and not capabilities.multi_objective:
         names = ", ".join(objective.name for objective in problem.objectives)
         raise CapabilityError(
-            f"strategy {name} handles one objective, this problem has {problem.n_obj} ({names}): choose one of them, scalarise "
-            "them (asf), or use a multi-objective strategy such as nsga2"
+            f"strategy {name} handles one objective, this problem has {problem.n_obj} ({names}): choose one of them, "
+            "scalarise them (asf), or use a multi-objective strategy such as nsga2"
         )
     if problem.space.integer.any() and not capabilities.integers:
         integers = ", ".join(variable.name for variable in problem.space.variables if variable.integer)
@@ -204,5 +204,5 @@ def _evaluated(
     return evaluations
 
 
-def _surrogate(registry: Registry, dimension: int, name: str, settings: Mapping[str, object]):  # type: ignore[no-untyped-def]
+def _surrogate(registry: Registry, dimension: int, name: str, settings: Mapping[str, object]) -> Surrogate:
     return registry.surrogate(name, dimension, settings)

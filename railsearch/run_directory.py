@@ -1,4 +1,4 @@
-"""The folder of one run: what identifies it, its record, its result, its figures and report. One process writes at a time."""
+"""The folder of one run: what identifies it, its record, its result, its figures and report, and one writer at a time."""
 
 import fcntl
 import json
@@ -49,7 +49,7 @@ class RunDirectory:
         return self.folder / RESULT_FILE
 
     def stored(self) -> dict[str, Any] | None:
-        """What run.json says: {"command", "storage", "identity"}; None if there is no run. Raises StorageError if unreadable."""
+        """What run.json says: {"command", "storage", "identity"}; None without a run. Raises StorageError."""
         path = self.folder / IDENTITY_FILE
         if not path.exists():
             return None
@@ -70,7 +70,9 @@ class RunDirectory:
             try:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except OSError:
-                raise StorageError(f"{self.folder} is in use by another process: wait for it, or use another folder") from None
+                raise StorageError(
+                    f"{self.folder} is in use by another process: wait for it, or use another folder"
+                ) from None
             self._check(document)
             self.write(IDENTITY_FILE, json.dumps(document, indent=1, ensure_ascii=False))
             yield
@@ -97,7 +99,9 @@ class RunDirectory:
                 pass
             free = shutil.disk_usage(self.folder).free
         if free < SPACE_NEEDED:
-            raise StorageError(f"{self.folder}: only {free / 1e6:.1f} MB are free, a run needs {SPACE_NEEDED / 1e6:g} MB or more")
+            raise StorageError(
+                f"{self.folder}: only {free / 1e6:.1f} MB are free, a run needs {SPACE_NEEDED / 1e6:g} MB or more"
+            )
 
     def _check(self, document: Mapping[str, Any]) -> None:
         stored = self.stored()
@@ -110,8 +114,8 @@ class RunDirectory:
         if differences:
             more = f"; and {len(differences) - 3} more" if len(differences) > 3 else ""
             raise StorageError(
-                f"{self.folder} holds another run ({'; '.join(differences[:3])}{more}). Nothing was changed: use another --out, "
-                f"or continue that run with: {stored['command']}"
+                f"{self.folder} holds another run ({'; '.join(differences[:3])}{more}). Nothing was changed: "
+                f"use another --out, or continue that run with: {stored['command']}"
             )
 
 

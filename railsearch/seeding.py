@@ -17,7 +17,7 @@ class RunGenerators:
 
 
 def checked_seed(seed: int | None) -> int:
-    """The seed itself, or a freshly drawn one for None, to be recorded. Raises InputError for anything but an integer ≥ 0."""
+    """The seed itself, or a drawn one for None, to be recorded. Raises InputError for anything but an integer ≥ 0."""
     if seed is None:
         return int(np.random.SeedSequence().generate_state(1)[0])
     if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
@@ -26,6 +26,6 @@ def checked_seed(seed: int | None) -> int:
 
 
 def run_generators(seed: int) -> RunGenerators:
-    """Spawn the streams of a run. `initial` serves initial designs alone, so that strategies compared at one seed share them."""
+    """Spawn the streams of a run. `initial` serves initial designs alone: strategies compared at one seed share them."""
     initial, strategy, unseen = np.random.SeedSequence(seed).spawn(3)
     return RunGenerators(np.random.default_rng(initial), np.random.default_rng(strategy), np.random.default_rng(unseen))

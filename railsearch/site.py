@@ -105,6 +105,8 @@ def track_section(path: Path) -> Mapping[str, Any]:
     """The track model's parameters of a site file, unchecked. Raises InputError if there are none."""
     document = _parsed(path)
     if not isinstance(document.get("track"), dict):
-        raise InputError(f"{path}: a section [track] with the track model's parameters is needed; there are {list(document)}")
+        raise InputError(
+            f"{path}: a section [track] with the track model's parameters is needed; there are {list(document)}"
+        )
     track: Mapping[str, Any] = document["track"]
     return track

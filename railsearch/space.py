@@ -30,7 +30,8 @@ class Variable:
             raise InputError(f"variable {self.name}: finite bounds are needed, received {self.lower!r} and {self.upper!r}")
         if not self.lower < self.upper:
             raise InputError(
-                f"variable {self.name}: the lower bound must lie below the upper one, received {self.lower:g} and {self.upper:g}"
+                f"variable {self.name}: the lower bound must lie below the upper one, "
+                f"received {self.lower:g} and {self.upper:g}"
             )
         if self.integer and not (float(self.lower).is_integer() and float(self.upper).is_integer()):
             raise InputError(
@@ -50,18 +51,22 @@ class Space:
 
     @property
     def names(self) -> tuple[str, ...]:
+        """Names of the variables in order."""
         return tuple(variable.name for variable in self.variables)
 
     @property
     def dimension(self) -> int:
+        """How many variables there are."""
         return len(self.variables)
 
     @cached_property
     def lower(self) -> FloatArray:
+        """Lower bounds (d,)."""
         return np.array([variable.lower for variable in self.variables], dtype=float)
 
     @cached_property
     def upper(self) -> FloatArray:
+        """Upper bounds (d,)."""
         return np.array([variable.upper for variable in self.variables], dtype=float)
 
     @cached_property
@@ -85,19 +90,21 @@ class Space:
     def rounded(self, designs: ArrayLike) -> FloatArray:
         """Designs (..., d) brought inside the bounds, integers rounded to the nearest whole number, no negative zeros."""
         inside = np.clip(np.asarray(designs, dtype=float), self.lower, self.upper)
-        return np.where(self.integer, np.round(inside), inside) + 0.0
+        rounded: FloatArray = np.where(self.integer, np.round(inside), inside) + 0.0
+        return rounded
 
     def checked(self, design: ArrayLike) -> FloatArray:
         """The design (d,) as a float vector. Raises InputError naming the variable that is not allowed."""
         vector = np.array(design, dtype=float)
         if vector.shape != (self.dimension,):
-            raise InputError(f"design: {self.dimension} values are needed ({', '.join(self.names)}), received shape {vector.shape}")
+            names = ", ".join(self.names)
+            raise InputError(f"design: {self.dimension} values are needed ({names}), received shape {vector.shape}")
         for variable, value in zip(self.variables, vector, strict=True):
             _check_value(variable, value)
         return vector + 0.0
 
     def amended(self, design: ArrayLike, changes: Mapping[str, float]) -> FloatArray:
-        """The design (d,) with some variables changed by name. Raises InputError for an unknown name or a value not allowed."""
+        """The design (d,) with some variables changed by name. Raises InputError for a name or value not allowed."""
         vector = np.array(design, dtype=float)
         for name, value in changes.items():
             if name not in self.names:

@@ -16,6 +16,7 @@ import numpy as np
 import optuna
 import optuna_dashboard
 from optuna.distributions import BaseDistribution, FloatDistribution, IntDistribution
+from optuna.study import StudyDirection
 from optuna.trial import FrozenTrial, TrialState, create_trial
 from sqlalchemy.exc import SQLAlchemyError
 
@@ -103,7 +104,7 @@ def open_run(url: str, description: StudyDescription, space: Space) -> RunStorag
         if known:
             study = optuna.load_study(study_name=description.name, storage=storage)
         else:
-            directions = ["minimize"] * len(description.objective_names)
+            directions = [StudyDirection.MINIMIZE] * len(description.objective_names)
             study = optuna.create_study(storage=storage, study_name=description.name, directions=directions)
         stored = study.user_attrs.get(IDENTITY)
     if stored is not None or (known and study.get_trials(deepcopy=False)):
@@ -183,7 +184,9 @@ def _readable(place: str) -> Iterator[None]:
     try:
         yield
     except (SQLAlchemyError, optuna.exceptions.OptunaError, OSError, ImportError, ValueError) as error:
-        raise StorageError(f"the storage {place} cannot be opened: {_cause(error)}. Check the URL, the folder's rights and space") from error
+        raise StorageError(
+            f"the storage {place} cannot be opened: {_cause(error)}. Check the URL, the rights and the space there"
+        ) from error
 
 
 @contextmanager

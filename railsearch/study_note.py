@@ -26,7 +26,8 @@ def study_note(problem: DesignProblem, command: RunCommand) -> str:
             for v in problem.space.variables
         ),
         "",
-        "Columns `origin` and `trajectory` tell how a design came about and after how many resets; a failed trial has its `reason`.",
+        "Columns `origin` and `trajectory` tell how a design came about and after how many resets; "
+        "a failed trial has its `reason`.",
         "",
         f"    {command.line}",
     ]

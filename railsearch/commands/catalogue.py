@@ -5,10 +5,9 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
-from railsearch.commands.options import AsJson, messages, print_json, readable
+from railsearch.commands.options import AsJson, messages, print_json, readable, results
 from railsearch.errors import InputError, PluginError
 from railsearch.parameters import Description, describe_parameters
 from railsearch.plugin_manager import KINDS, Entry, Registry, load_plugins
@@ -18,7 +17,9 @@ from railsearch.site import site_template
 
 Kind = Annotated[str | None, typer.Argument(metavar="[KIND]", help=f"One of {', '.join(KINDS)}; default: all.")]
 Name = Annotated[str, typer.Argument(metavar="NAME", help="Name of a plugin of any kind; see `railsearch list`.")]
-Output = Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE.toml", help="File to write; default: standard output.")]
+Output = Annotated[
+    Path | None, typer.Option("--out", "-o", metavar="FILE.toml", help="File to write; default: standard output.")
+]
 
 
 def list_plugins(kind: Kind = None, as_json: AsJson = False) -> None:
@@ -33,7 +34,7 @@ def list_plugins(kind: Kind = None, as_json: AsJson = False) -> None:
     for entry in entries:
         origin = entry.provenance
         table.add_row(entry.kind, entry.name, entry.summary, f"{origin.distribution} {origin.version}")
-    Console().print(table)
+    results().print(table)
 
 
 def describe(name: Name, as_json: AsJson = False) -> None:
@@ -99,9 +100,11 @@ def _description(registry: Registry, entry: Entry) -> dict[str, Any]:
 
 
 def _print_description(document: dict[str, Any]) -> None:
-    console = Console()
+    console = results()
     console.rule(f"{document['kind']} {document['name']}", align="left")
-    console.print(f"{document['documentation']}\n\nfrom {document['distribution']} {document['version']} ({document['module']})\n")
+    console.print(
+        f"{document['documentation']}\n\nfrom {document['distribution']} {document['version']} ({document['module']})\n"
+    )
     for title in ("variables", "objectives", "metrics", "histories"):
         if document.get(title):
             console.print(_quantities(title, document[title], document.get("reference") or {}))

@@ -7,7 +7,6 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
-from rich.console import Console
 from rich.table import Table
 
 from railsearch.commands.options import (
@@ -23,6 +22,7 @@ from railsearch.commands.options import (
     print_json,
     quantity_label,
     readable,
+    results,
 )
 from railsearch.commands.progress import run_progress
 from railsearch.errors import InputError, SimulationError
@@ -35,7 +35,9 @@ from railsearch.run_directory import writing
 from railsearch.seeding import checked_seed
 from railsearch.site import track_section
 
-ModelName = Annotated[str, typer.Argument(metavar="TRACK_MODEL", help="Name of a track model; see `railsearch list track-model`.")]
+ModelName = Annotated[
+    str, typer.Argument(metavar="TRACK_MODEL", help="Name of a track model; see `railsearch list track-model`.")
+]
 Histories = Annotated[Path | None, typer.Option("--histories", metavar="FILE.npz", help="Write the histories to this file.")]
 
 
@@ -61,9 +63,11 @@ def simulate(
         _write_histories(histories, response.histories)
     if as_json:
         units = {quantity.name: quantity.unit for quantity in model.metrics}
-        print_json({"track_model": name, "parameters": dataclasses.asdict(track), "metrics": dict(response.metrics), "units": units})
+        print_json(
+            {"track_model": name, "parameters": dataclasses.asdict(track), "metrics": dict(response.metrics), "units": units}
+        )
         return
-    Console().print(_values_table(model.metrics, response.metrics))
+    results().print(_values_table(model.metrics, response.metrics))
 
 
 def evaluate(
@@ -75,7 +79,7 @@ def evaluate(
 ) -> None:
     """Evaluate one design of a problem, by default its reference design.
 
-        railsearch evaluate level-crossing --set xr1=500 --set xs3=3
+    railsearch evaluate level-crossing --set xr1=500 --set xs3=3
     """
     asked = asked_problem(load_plugins(), name, parameters, objectives)
     problem = asked.problem
@@ -88,7 +92,7 @@ def evaluate(
     if as_json:
         print_json({"problem": name} | {key: document[key] for key in ("design", "metrics", "objectives")})
         return
-    console = Console()
+    console = results()
     table = Table("variable", "unit", "value", box=None, pad_edge=False)
     for variable in problem.space.variables:
         table.add_row(variable.name, variable.unit, readable(document["design"][variable.name]))
@@ -116,7 +120,9 @@ def sample(
     values = [values_of(problem, evaluation) for evaluation in record.evaluations if not evaluation.failed]
     if not values:
         raise SimulationError(f"all {number} evaluations failed, the last one with: {record.evaluations[-1].reason}")
-    rows = {objective.name: _spread(objective, np.array([v[objective.name] for v in values])) for objective in problem.objectives}
+    rows = {
+        objective.name: _spread(objective, np.array([v[objective.name] for v in values])) for objective in problem.objectives
+    }
     failed = len(record.evaluations) - len(values)
     if as_json:
         print_json({"problem": name, "seed": seed, "number": number, "failed": failed, "objectives": rows})
@@ -126,10 +132,10 @@ def sample(
         row = rows[objective.name]
         cells = [readable(row[key]) for key in ("best", "median", "worst", "variation_percent")]
         table.add_row(objective.name, objective.unit, *cells)
-    Console().print(table)
+    results().print(table)
     typer.echo(f"\n# {number} random designs, seed {seed}, {failed} failed\n[worst]")
     for objective_name, row in rows.items():
-        typer.echo(f"{objective_name} = {float(f'{row['worst']:.4g}')!r}")
+        typer.echo(f"{objective_name} = {row['worst']:.6g}")
 
 
 def _spread(quantity: Quantity, values: Any) -> dict[str, float]:

@@ -27,11 +27,12 @@ Assignments = Annotated[
     list[str] | None, typer.Option("--set", "-s", metavar="NAME=VALUE", help="Change one value; may be repeated.")
 ]
 Objectives = Annotated[
-    str, typer.Option("--objectives", metavar="F_max,E_max", help="Objectives to minimise; default: the problem's own choice.")
+    str,
+    typer.Option("--objectives", metavar="F_max,E_max", help="Objectives to minimise; default: the problem's own choice."),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print the result as JSON on standard output.")]
 
-messages = Console(stderr=True, highlight=False)
+messages = Console(stderr=True, highlight=False, markup=False)
 
 
 @dataclass(frozen=True)
@@ -90,6 +91,11 @@ def amended_design(problem: DesignProblem, changes: Mapping[str, Any]) -> FloatA
     if missing:
         raise InputError(f"design: {problem.name} has no reference design; give values for {', '.join(missing)} as well")
     return problem.space.amended(problem.space.lower, changes)
+
+
+def results() -> Console:
+    """Where results are printed; units in brackets are not markup."""
+    return Console(highlight=False, markup=False)
 
 
 def print_json(document: object) -> None:

@@ -34,7 +34,9 @@ def run_progress(problem: DesignProblem, budget: int) -> Iterator[Watch]:
             nonlocal members, failed
             members = front([*members, evaluation])
             failed += evaluation.failed
-            progress.update(task, advance=1, best=best_so_far(problem, members), failed=f", {failed} failed" if failed else "")
+            progress.update(
+                task, advance=1, best=best_so_far(problem, members), failed=f", {failed} failed" if failed else ""
+            )
 
         yield watch
 

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
 from sqlalchemy.engine import make_url
 from sqlalchemy.exc import ArgumentError
 
@@ -25,6 +24,7 @@ from railsearch.commands.options import (
     assignments,
     messages,
     print_json,
+    results,
 )
 from railsearch.commands.progress import run_progress
 from railsearch.commands.tables import result_tables
@@ -49,15 +49,25 @@ StorageUrl = Annotated[
 
 def run(
     name: ProblemName,
-    strategy: Annotated[str, typer.Option("--strategy", help="Name of a strategy; see `railsearch list strategy`.")] = "dycors",
-    budget: Annotated[int, typer.Option("--budget", "-n", help="Evaluations to spend, the reference design's included.")] = 200,
-    seed: Annotated[int | None, typer.Option("--seed", help="Seed of all randomness; drawn and reported if not given.")] = None,
+    strategy: Annotated[
+        str, typer.Option("--strategy", help="Name of a strategy; see `railsearch list strategy`.")
+    ] = "dycors",
+    budget: Annotated[
+        int, typer.Option("--budget", "-n", help="Evaluations to spend, the reference design's included.")
+    ] = 200,
+    seed: Annotated[
+        int | None, typer.Option("--seed", help="Seed of all randomness; drawn and reported if not given.")
+    ] = None,
     objectives: Objectives = "",
-    scalarise: Annotated[str | None, typer.Option("--scalarise", metavar="NAME", help="Scalariser, for instance asf.")] = None,
+    scalarise: Annotated[
+        str | None, typer.Option("--scalarise", metavar="NAME", help="Scalariser, for instance asf.")
+    ] = None,
     parameters: Parameters = None,
     assigned: Assignments = None,
     batch: Annotated[int, typer.Option("--batch", help="Designs proposed at a time.")] = 1,
-    timeout: Annotated[float | None, typer.Option("--timeout", metavar="SECONDS", help="Time limit of one evaluation.")] = None,
+    timeout: Annotated[
+        float | None, typer.Option("--timeout", metavar="SECONDS", help="Time limit of one evaluation.")
+    ] = None,
     storage: StorageUrl = None,
     out: Annotated[Path | None, typer.Option("--out", "-o", metavar="DIR", help="Folder of the run.")] = None,
     as_json: AsJson = False,
@@ -196,7 +206,9 @@ def _searched(
         with run_progress(problem, limit) as watch:
             return run_search(registry, problem, settings, given, record, watch)
     except KeyboardInterrupt:
-        messages.print(f"stopped: {len(record.load())} evaluations are in {folder.folder}; the same command goes on from there")
+        messages.print(
+            f"stopped: {len(record.load())} evaluations are in {folder.folder}; the same command goes on from there"
+        )
         sys.exit(130)
 
 
@@ -219,7 +231,7 @@ def _print_result(found: dict[str, Any], as_json: bool) -> None:
     if as_json:
         print_json(found)
     else:
-        Console().print(*result_tables(found))
+        results().print(*result_tables(found))
 
 
 def _stored(directory: RunDirectory) -> dict[str, Any]:
@@ -245,7 +257,9 @@ def _public(url: str | None) -> str | None:
     try:
         return make_url(url).render_as_string(hide_password=True)
     except ArgumentError:
-        raise InputError(f"--storage: an URL such as sqlite:///FILE or postgresql://USER@HOST/NAME is needed, received {url!r}") from None
+        raise InputError(
+            f"--storage: an URL such as sqlite:///FILE or postgresql://USER@HOST/NAME is needed, received {url!r}"
+        ) from None
 
 
 def _command_line() -> str:

@@ -62,7 +62,9 @@ def _sentence(found: dict[str, Any]) -> str:
     best = found["best"]
     place = f"best at evaluation {best['number']} ({best['origin']})" if best else "no feasible design"
     if len(found["problem"]["objectives"]) > 1 and best:
-        place = f"front of {len(found['front'])} designs; shown as best is the one whose worst objective is best ({place[8:]})"
+        place = (
+            f"front of {len(found['front'])} designs; shown as best is the one whose worst objective is best ({place[8:]})"
+        )
     return (
         f"{found['status']}: {len(found['evaluations'])} of {found['budget']} evaluations, {found['failed']} failed, "
         f"seed {found['seed']}, {found['seconds']:.1f} s; {place}"
