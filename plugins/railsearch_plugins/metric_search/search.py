@@ -36,6 +36,11 @@ class MetricSearch:
         self._initial: list[FloatArray] = []
         self._evaluated: dict[bytes, FloatArray] = {}
 
+    @property
+    def minimum_budget(self) -> int:
+        """The size of the initial design: with fewer evaluations there is no search."""
+        return self._parameters.initial_size or max(20, 2 * (self._context.space.dimension + 1))
+
     def ask(self) -> Sequence[Proposal]:
         """Initial designs as long as there are any, then the candidates of lowest merit."""
         if not self._initial:
@@ -54,7 +59,7 @@ class MetricSearch:
             repeated = evaluation.repeated or key in self._evaluated
             value = None if evaluation.failed else float(evaluation.objectives[0])
             self._evaluated[key] = evaluation.design
-            self._trajectory.record(space.to_unit(evaluation.design), value, repeated)
+            self._trajectory.record(evaluation.design, space.to_unit(evaluation.design), value, repeated)
 
     def _proposals(self) -> list[Proposal]:
         """Proposals of the search proper; where it cannot go on, none and a new supply of initial designs."""
@@ -77,32 +82,30 @@ class MetricSearch:
         n_perturbed = len(candidates)
         if parameters.tree_search and space.integer.any():
             candidates = np.vstack([candidates, self._leaves(surrogate, candidates)])
-        evaluated = space.to_unit(np.array(list(self._evaluated.values())))
+        points = space.to_unit(candidates)
         chosen = select(
-            candidates,
-            surrogate.predict(candidates),
-            evaluated,
+            points,
+            surrogate.predict(points),
+            space.to_unit(np.array(list(self._evaluated.values()))),
             self._weights,
             self._context.batch_size,
             parameters.minimum_distance,
         )
-        designs = space.from_unit(candidates[chosen])
         origins = ["perturbation" if k < n_perturbed else "tree-search" for k in chosen]
-        return [Proposal(*pair, self._trajectory.number) for pair in zip(designs, origins, strict=True)]
+        return [Proposal(candidates[k], origin, self._trajectory.number) for k, origin in zip(chosen, origins, strict=True)]
 
     def _candidates(self) -> FloatArray:
-        """Perturbations (t, d) of the incumbent, unit cube."""
+        """Perturbations (t, d) of the incumbent."""
         space, parameters, trajectory = self._context.space, self._parameters, self._trajectory
-        assert trajectory.incumbent is not None
         count = min(parameters.candidates_per_dimension * space.dimension, parameters.maximum_candidates)
-        incumbent = space.from_unit(trajectory.incumbent)
         probability = self._probability(trajectory)
-        return space.to_unit(perturbed(space, incumbent, trajectory.step.sigma, probability, count, self._context.generator))
+        return perturbed(space, trajectory.incumbent, trajectory.step.sigma, probability, count, self._context.generator)
 
     def _leaves(self, surrogate: Surrogate, candidates: FloatArray) -> FloatArray:
-        pool = np.vstack([candidates, self._trajectory.points])
+        """The integer designs (k, d) that the tree search meets."""
+        pool = np.vstack([self._context.space.to_unit(candidates), self._trajectory.points])
         starts, nodes = self._parameters.tree_search_starts, self._parameters.tree_search_nodes
-        return tree_search(surrogate, self._context.space, pool, starts, nodes)
+        return self._context.space.from_unit(tree_search(surrogate, self._context.space, pool, starts, nodes))
 
     def _restart(self) -> list[Proposal]:
         """Start afresh: earlier points stay out of the surrogate and are not proposed again."""
@@ -121,8 +124,7 @@ class MetricSearch:
         return []
 
     def _initial_size(self) -> int:
-        wished = self._parameters.initial_size or max(20, 2 * (self._context.space.dimension + 1))
-        return min(wished, self._trajectory.budget)
+        return min(self.minimum_budget, self._trajectory.budget)
 
     def _new_surrogate(self) -> Surrogate:
         return self._context.surrogate(self._parameters.surrogate, self._parameters.surrogate_settings or {})

@@ -14,7 +14,7 @@ from .step_size import StepSize
 
 
 class Trajectory:
-    """The points (unit cube), incumbent, step size and surrogate of the search since a restart.
+    """The points, incumbent design, step size and surrogate of the search since a restart.
 
     number: how many restarts came before; budget: how many evaluations were left when it started.
     """
@@ -24,7 +24,7 @@ class Trajectory:
         self.budget = budget
         self.evaluations = 0
         self.initial_size: int | None = None
-        self.incumbent: FloatArray | None = None
+        self.incumbent = np.empty(dimension)
         self.best_value = np.inf
         self.surrogate: Surrogate | None = None
         self.step = StepSize(
@@ -53,8 +53,11 @@ class Trajectory:
         """Declare what has been evaluated so far the initial design."""
         self.initial_size = self.evaluations
 
-    def record(self, point: FloatArray, value: float | None, repeated: bool) -> None:
-        """Take in an evaluated point (d,); `value` is None if it failed. A repeated one is but a failure to improve."""
+    def record(self, design: FloatArray, point: FloatArray, value: float | None, repeated: bool) -> None:
+        """Take in an evaluated design (d,), `point` being its place in the unit cube and `value` None if it failed.
+
+        A repeated one is but a failure to improve.
+        """
         learnt = None if repeated else value
         self.evaluations += not repeated
         if self.searching:
@@ -65,7 +68,7 @@ class Trajectory:
             self._points.append(point)
             self._values.append(learnt)
         if learnt < self.best_value:
-            self.incumbent, self.best_value = point, learnt
+            self.incumbent, self.best_value = design, learnt
 
     def refresh(self, make: Callable[[], Surrogate]) -> Surrogate | None:
         """The surrogate through all points so far; None if they do not determine it."""

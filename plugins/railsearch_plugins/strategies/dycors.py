@@ -20,6 +20,11 @@ class DynamicCoordinateSearch:
         self._p_initial = min(parameters.perturbed_coordinates / context.space.dimension, 1.0)
         self._search = MetricSearch(context, parameters, self._probability)
 
+    @property
+    def minimum_budget(self) -> int:
+        """The size of the initial design."""
+        return self._search.minimum_budget
+
     def ask(self) -> Sequence[Proposal]:
         """Designs of origin `initial`, then `perturbation` or `tree-search`."""
         return self._search.ask()

@@ -17,6 +17,11 @@ class LocalMetricSearch:
     def __init__(self, context: SearchContext, parameters: MetricSearchParameters) -> None:
         self._search = MetricSearch(context, parameters, lambda trajectory: 1.0)
 
+    @property
+    def minimum_budget(self) -> int:
+        """The size of the initial design."""
+        return self._search.minimum_budget
+
     def ask(self) -> Sequence[Proposal]:
         """Designs of origin `initial`, then `perturbation` or `tree-search`."""
         return self._search.ask()

@@ -1,0 +1,118 @@
+"""Scalariser `asf`: the achievement scalarising function of the level-crossing study (Shang et al. 2023)."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from railsearch.errors import InputError
+from railsearch.hookspecs import Register, hookimpl
+from railsearch.interfaces import Quantity, parameter
+from railsearch.scalarise import augmented_chebyshev
+from railsearch.space import FloatArray
+
+
+@dataclass(frozen=True)
+class AchievementParameters:
+    """Aspirations, worst values and augmentation. The dictionaries go by objective name, in the units of the objectives."""
+
+    aspiration_fraction: float = parameter(
+        0.8,
+        meaning="aspiration as a fraction of the reference design's value: 0.8 asks for an improvement by 20 %",
+        source="level-crossing study, Shang et al. 2023",
+        above=0.0,
+        maximum=1.0,
+    )
+    rho: float = parameter(
+        0.05,
+        meaning="augmentation coefficient: how much the sum of the achievements counts beside the largest one",
+        source="level-crossing study, Shang et al. 2023",
+        minimum=0.0,
+    )
+    aspiration: dict[str, float] | None = parameter(  # noqa: RUF009 - a field, not a value
+        None, meaning="aspiration values by objective, in place of the fraction of the reference design's"
+    )
+    worst: dict[str, float] | None = parameter(  # noqa: RUF009 - a field, not a value
+        None, meaning="worst values by objective, in place of those of the problem"
+    )
+
+
+class AchievementScalarisingFunction:
+    """Augmented Chebyshev distance of the objectives from the values aspired to, in units of worst minus aspired."""
+
+    Parameters = AchievementParameters
+
+    def __init__(
+        self, parameters: AchievementParameters, objectives: Sequence[Quantity], worst: Mapping[str, float]
+    ) -> None:
+        names = tuple(objective.name for objective in objectives)
+        explicit, own_worst = parameters.aspiration or {}, parameters.worst or {}
+        _check_names("aspiration", explicit, names)
+        _check_names("worst", own_worst, names)
+        self._parameters = parameters
+        self._names = names
+        self._worst = _worst_values(names, {**worst, **own_worst})
+        self._explicit = np.array([explicit.get(name, np.nan) for name in names])
+        self._aspiration = self._checked(self._explicit)
+
+    @property
+    def ready(self) -> bool:
+        """False as long as an aspiration depends on the reference design and that is unknown."""
+        return not bool(np.isnan(self._aspiration).any())
+
+    @property
+    def aspiration(self) -> Mapping[str, float]:
+        """The aspiration point by objective name; NaN where it is not known yet."""
+        return dict(zip(self._names, self._aspiration.tolist(), strict=True))
+
+    @property
+    def worst(self) -> Mapping[str, float]:
+        """The worst values by objective name."""
+        return dict(zip(self._names, self._worst.tolist(), strict=True))
+
+    def prepare(self, reference: FloatArray) -> None:
+        """Set the aspirations that are not explicit to f − (1 − fraction) |f|, with f (m,) of the reference design.
+
+        That is the fraction of f where f is positive. Raises InputError for an aspiration not below its worst value.
+        """
+        values = np.asarray(reference, dtype=float)
+        wished = values - (1.0 - self._parameters.aspiration_fraction) * np.abs(values)
+        self._aspiration = self._checked(np.where(np.isnan(self._explicit), wished, self._explicit))
+
+    def __call__(self, objectives: FloatArray) -> FloatArray:
+        """The scalars g (n,) of objectives f (n, m)."""
+        return augmented_chebyshev(objectives, self._aspiration, self._worst, self._parameters.rho)
+
+    def _checked(self, aspiration: FloatArray) -> FloatArray:
+        for name, wished, worst in zip(self._names, aspiration, self._worst, strict=True):
+            if wished >= worst:
+                raise InputError(
+                    f"asf: the aspiration of {name} must lie below its worst value, received {wished:g} and {worst:g}; "
+                    f"set aspiration or worst for {name}"
+                )
+        return aspiration
+
+
+def _check_names(field: str, values: Mapping[str, float], names: Sequence[str]) -> None:
+    for name, value in values.items():
+        if name not in names:
+            raise InputError(f"asf.{field}: unknown objective '{name}'; the objectives are {', '.join(names)}")
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+            raise InputError(f"asf.{field}.{name}: a finite number is needed, received {value!r}")
+
+
+def _worst_values(names: Sequence[str], worst: Mapping[str, float]) -> FloatArray:
+    missing = [name for name in names if name not in worst]
+    if missing:
+        raise InputError(
+            f"asf: the worst value of {', '.join(missing)} is not known: sample it with `railsearch sample PROBLEM` and "
+            "set it under worst"
+        )
+    return np.array([worst[name] for name in names], dtype=float)
+
+
+@hookimpl
+def railsearch_scalarisers(register: Register) -> None:
+    """Register `asf`."""
+    register("asf", AchievementScalarisingFunction)
