@@ -101,7 +101,7 @@ class BudgetedEvaluator:
             design=proposal.design,
             objectives=outcome.objectives,
             constraints=outcome.constraints,
-            metrics=outcome.metrics,
+            metrics={name: float(value) for name, value in outcome.metrics.items()},
             origin=proposal.origin,
             trajectory=proposal.trajectory,
             reason=reason,

@@ -7,6 +7,7 @@ whole evaluations and nothing else. There is one writer per study.
 import datetime
 import json
 import math
+import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -144,7 +145,9 @@ def _check_identity(stored: Mapping[str, Any], description: StudyDescription, pl
 
 
 def _describe(study: optuna.Study, description: StudyDescription) -> None:
-    study.set_metric_names(list(description.objective_names))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)
+        study.set_metric_names(list(description.objective_names))
     optuna_dashboard.save_note(study, description.note)
     study.set_user_attr(IDENTITY, plain(description.identity))
 
