@@ -171,14 +171,16 @@ def _register(
     origins: dict[str, Provenance],
     warnings: list[str],
 ) -> None:
-    manager.register(plugin, name)
     origins[name] = origin
     try:
+        manager.register(plugin, name)
         manager.check_pending()
     except pluggy.PluginValidationError as error:
         manager.unregister(plugin)
-        hooks = ", ".join(sorted(KINDS.values()))
-        warnings.append(_broken(origin, f"has a hook that railsearch does not know ({error}); the hooks are {hooks}"))
+        what, hooks = " ".join(str(error).split()), ", ".join(sorted(KINDS.values()))
+        warnings.append(_broken(origin, f"has a hook that railsearch does not know ({what}); the hooks are {hooks}"))
+    except ValueError:
+        warnings.append(_broken(origin, "is named by two entry points; the first one counts"))
 
 
 def _broken(origin: Provenance, what: str) -> str:

@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 import optuna
-import optuna_dashboard
 from optuna.distributions import BaseDistribution, FloatDistribution, IntDistribution
 from optuna.study import StudyDirection
 from optuna.trial import FrozenTrial, TrialState, create_trial
@@ -70,7 +69,7 @@ class RunStorage:
             distributions=self._distributions,
             user_attrs=_attributes(evaluation),
             system_attrs={"constraints": constraints} if constraints else {},
-            constraints={f"g{number + 1}": value for number, value in enumerate(constraints)},
+            constraints={str(number): value for number, value in enumerate(constraints)},
         )
         trial.datetime_start = now - datetime.timedelta(seconds=evaluation.duration)
         trial.datetime_complete = now
@@ -145,10 +144,12 @@ def _check_identity(stored: Mapping[str, Any], description: StudyDescription, pl
 
 
 def _describe(study: optuna.Study, description: StudyDescription) -> None:
+    from optuna_dashboard import save_note
+
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)
         study.set_metric_names(list(description.objective_names))
-    optuna_dashboard.save_note(study, description.note)
+    save_note(study, description.note)
     study.set_user_attr(IDENTITY, plain(description.identity))
 
 

@@ -35,7 +35,9 @@ def evaluations() -> list[Evaluation]:
                 design,
                 np.full(2, np.nan) if failed else outcome.objectives,
                 np.full(1, np.nan) if failed else outcome.constraints,
-                {} if failed else {name: float(value) for name, value in outcome.metrics.items()} | {"unknown": float("nan")},
+                {}
+                if failed
+                else {name: float(value) for name, value in outcome.metrics.items()} | {"unknown": float("nan")},
                 "initial",
                 number // 4,
                 "ZeroDivisionError: no ballast" if failed else "",
