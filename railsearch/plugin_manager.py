@@ -130,6 +130,8 @@ def collect(manager: pluggy.PluginManager, origins: Mapping[str, Provenance], wa
     entries: dict[tuple[str, str], Entry] = {}
     for kind, hook in KINDS.items():
         for implementation in getattr(manager.hook, hook).get_hookimpls():
+            if not manager.has_plugin(implementation.plugin_name):
+                continue
             origin = origins[implementation.plugin_name]
             found: list[Entry] = []
             try:
@@ -176,7 +178,8 @@ def _register(
         manager.register(plugin, name)
         manager.check_pending()
     except pluggy.PluginValidationError as error:
-        manager.unregister(plugin)
+        if manager.has_plugin(name):
+            manager.unregister(plugin)
         what, hooks = " ".join(str(error).split()), ", ".join(sorted(KINDS.values()))
         warnings.append(_broken(origin, f"has a hook that railsearch does not know ({what}); the hooks are {hooks}"))
     except ValueError:

@@ -69,7 +69,6 @@ class RunStorage:
             distributions=self._distributions,
             user_attrs=_attributes(evaluation),
             system_attrs={"constraints": constraints} if constraints else {},
-            constraints={str(number): value for number, value in enumerate(constraints)},
         )
         trial.datetime_start = now - datetime.timedelta(seconds=evaluation.duration)
         trial.datetime_complete = now

@@ -59,7 +59,13 @@ def test_descriptions_carry_unit_source_and_range() -> None:
     described = {row.name: row for row in describe_parameters(Zone())}
     assert list(described) == ["pad.stiffness", "pad.rows", "pad.spacings", "pad.load", "pad.mirrored", "name"]
     row = described["pad.stiffness"]
-    assert (row.default, row.unit, row.meaning, row.source, row.allowed) == (1.0, "MN/m", "stiffness", "a table", "> 0 and ≤ 9")
+    assert (row.default, row.unit, row.meaning, row.source, row.allowed) == (
+        1.0,
+        "MN/m",
+        "stiffness",
+        "a table",
+        "> 0 and ≤ 9",
+    )
 
 
 def test_dotted_names_become_tables() -> None:

@@ -109,6 +109,11 @@ def railsearch_strategys(register: Any) -> None: ...
 def railsearch_strategies(registrar: Any) -> None: ...
 
 
+@hookimpl
+def valid_hook(register: Any) -> None:
+    register("half-a-plugin", object)
+
+
 def failing_hook() -> types.ModuleType:
     @hookimpl
     def railsearch_strategies(register: Any) -> None:
@@ -125,7 +130,7 @@ def failing_hook() -> types.ModuleType:
             lambda: module(railsearch_strategys=railsearch_strategys),
             ("hook that railsearch does not know", "railsearch_strategys"),
         ),
-        (lambda: module(railsearch_strategies=railsearch_strategies), ("railsearch_strategies", "registrar")),
+        (lambda: module(railsearch_commands=valid_hook, railsearch_strategies=railsearch_strategies), ("registrar",)),
         (failing_hook, ("fails in railsearch_strategies", "licence expired")),
         (lambda: registering("half", object), ("'half' lacks Parameters, capabilities, ask, tell",)),
     ],

@@ -79,7 +79,7 @@ def test_the_study_tells_the_dashboard_what_it_needs(tmp_path: Path) -> None:
     assert set(first.params) == set(MIXED.names)
     assert isinstance(first.params["count"], int)
     assert {"left", "right", "comfort", "origin", "trajectory", "duration [s]"} <= set(first.user_attrs)
-    assert list(first.constraints.values()) == first.system_attrs["constraints"]
+    assert list(first.constraints.values()) == first.system_attrs["constraints"] == evaluations()[0].constraints.tolist()
 
 
 @pytest.mark.parametrize(

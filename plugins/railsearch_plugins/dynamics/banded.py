@@ -25,11 +25,11 @@ Elements = tuple[IntArray, FloatArray]
 
 
 def assemble(elements: Iterable[Elements], size: int, half_bandwidth: int) -> FloatArray:
-    """Sum element matrices into a symmetric banded matrix (half_bandwidth + 1, size).
+    """Sum element matrices into a symmetric banded matrix (b + 1, size), b = max(half_bandwidth, NARROW).
 
     elements: pairs of unknowns (m, p), −1 for one that is held, and matrices (m, p, p).
     """
-    band = np.zeros((half_bandwidth + 1, size))
+    band = np.zeros((max(half_bandwidth, NARROW) + 1, size))
     for unknowns, matrices in elements:
         rows = np.broadcast_to(unknowns[:, :, None], matrices.shape)
         columns = np.broadcast_to(unknowns[:, None, :], matrices.shape)

@@ -75,19 +75,22 @@ class RadialBasisFunctionInterpolant:
         """
         points, values = self._checked(points, values)
         order = _unisolvent_first(self._tail(points))
-        leading = order[: self._tail_size]
+        leading, rest = order[: self._tail_size], order[self._tail_size :]
         self._start(points[leading], values[leading])
-        self._extend(points[order[self._tail_size :]], values[order[self._tail_size :]])
+        try:
+            self._extend(points[rest], values[rest])
+        except SurrogateError:
+            self._points = np.empty((0, self._dimension))
+            raise
 
     def add(self, points: FloatArray, values: FloatArray) -> None:
         """Add points (k, d) with values (k,) to a fitted interpolant at O(k n²). Raises SurrogateError as `fit`."""
-        if not len(self._points):
-            raise SurrogateError("rbf: add was called before fit; fit the first points")
-        points, values = self._checked(points, values)
-        self._extend(points, values)
+        self._check_fitted()
+        self._extend(*self._checked(points, values))
 
     def predict(self, points: FloatArray) -> FloatArray:
         """The interpolant f̂ (k,) at points (k, d)."""
+        self._check_fitted()
         points = np.atleast_2d(points)
         kernels: FloatArray = self._kernel(cdist(points, self._points))
         predicted: FloatArray = kernels @ self._weights + self._tail(points) @ self._coefficients
@@ -95,6 +98,7 @@ class RadialBasisFunctionInterpolant:
 
     def gradient(self, points: FloatArray) -> FloatArray:
         """The derivatives (k, d) of f̂ at points (k, d): Σ_k λ_k φ′(r)/r (x − x_k) + b; kinks of a kernel give zero."""
+        self._check_fitted()
         points = np.atleast_2d(points)
         slopes = self._kernel_slope(cdist(points, self._points)) * self._weights
         gradient: FloatArray = slopes.sum(axis=1, keepdims=True) * points - slopes @ self._points
@@ -186,6 +190,10 @@ class RadialBasisFunctionInterpolant:
         if self._parameters.kernel == "thin-plate":
             return np.where(apart, 2.0 * np.log(distances, out=np.zeros_like(distances), where=apart) + 1.0, 0.0)
         return np.divide(1.0, distances, out=np.zeros_like(distances), where=apart)
+
+    def _check_fitted(self) -> None:
+        if not len(self._points):
+            raise SurrogateError("rbf: the interpolant is not fitted; call fit with the first points")
 
     def _checked(self, points: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
         points, values = np.array(points, dtype=float), np.array(values, dtype=float)
