@@ -1,0 +1,74 @@
+"""Fixtures that several test modules share."""
+
+import importlib.metadata
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import pytest
+
+from railsearch.cli import main
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a command printed, and its exit code."""
+
+    code: int
+    out: str
+    err: str
+
+
+@pytest.fixture
+def railsearch(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Callable[..., Answer]:
+    """Run a command line in this process."""
+    monkeypatch.setenv("COLUMNS", "200")
+
+    def run(*words: object) -> Answer:
+        monkeypatch.setattr(sys, "argv", ["railsearch", *map(str, words)])
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as ended:
+            main()
+        out, err = capsys.readouterr()
+        return Answer(ended.value.code or 0, out, err)
+
+    return run
+
+
+@dataclass
+class InstalledDistribution:
+    """Stands for an installed distribution."""
+
+    metadata: dict[str, str]
+    version: str = "1.2"
+
+
+@dataclass
+class InstalledPoint:
+    """Stands for an entry point whose module is made on the spot."""
+
+    distribution: str
+    load: Callable[[], Any]
+    name: str = "plugin"
+
+    @property
+    def value(self) -> str:
+        """Where the plugin would be."""
+        return f"{self.distribution}_module"
+
+    @property
+    def dist(self) -> InstalledDistribution:
+        """The distribution that it would belong to."""
+        return InstalledDistribution({"Name": self.distribution})
+
+
+@pytest.fixture
+def install(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """Pretend that distributions are installed: install(acme=function that returns the plugin module)."""
+
+    def installed(**loaders: Callable[[], Any]) -> None:
+        points = [InstalledPoint(name, load) for name, load in loaders.items()]
+        monkeypatch.setattr(importlib.metadata, "entry_points", lambda group: points if group == "railsearch" else [])
+
+    return installed

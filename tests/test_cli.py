@@ -1,0 +1,296 @@
+import json
+import math
+import re
+import subprocess
+import sys
+import tomllib
+import types
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import Answer
+from sample_problems import Troubled, TwoObjectives
+
+from railsearch.hookspecs import hookimpl
+
+Cli = Callable[..., Answer]
+REFERENCE = {"xr1": 1120.0, "xr2": 1120.0, "xr3": 1120.0, "xn": 8, "xs1": 6, "xs2": 6, "xs3": 4, "xl": 0}
+
+
+def sample_problems() -> types.ModuleType:
+    @hookimpl
+    def railsearch_problems(register: Callable[[str, Any], None]) -> None:
+        register("troubled", Troubled)
+        register("two", TwoObjectives)
+
+    made = types.ModuleType("samples")
+    vars(made)["railsearch_problems"] = railsearch_problems
+    return made
+
+
+def refused(answer: Answer, *words: str) -> None:
+    assert answer.code == 2, answer
+    assert all(word in answer.err for word in words), answer.err
+    assert "Traceback" not in answer.err
+    assert answer.out == ""
+
+
+def test_help_teaches(railsearch: Cli) -> None:
+    assert "railsearch run level-crossing" in railsearch("--help").out
+    for command in ("list", "describe", "init", "simulate", "evaluate", "sample", "run", "show", "dashboard"):
+        assert "Usage" in railsearch(command, "--help").out
+
+
+def test_the_reference_design_is_evaluated_by_default(railsearch: Cli) -> None:
+    document = json.loads(railsearch("evaluate", "level-crossing", "--json").out)
+    assert document["design"] == REFERENCE
+    assert set(document["metrics"]) == {"F_rms", "F_max", "E_rms", "E_max", "A_max"}
+    assert document["objectives"] == {name: document["metrics"][name] for name in ("F_max", "E_max")}
+    assert math.isclose(document["metrics"]["F_max"], 1700.14594, rel_tol=1e-6)
+    table = railsearch("evaluate", "level-crossing", "--set", "xr1=300").out
+    assert re.search(r"xr1 +MN/m +300", table)
+    assert "A_max [m/s²]" in table
+
+
+def test_simulate_takes_the_track_models_own_parameters(railsearch: Cli, tmp_path: Path) -> None:
+    histories = tmp_path / "histories.npz"
+    words = ("--set", "zone.pad_stiffness=[214e6, 155e6, 50e6]", "--set", "zone.strengthened_sleepers=5")
+    words += ("--set", "zone.sleeper_distances=[0.6, 0.7, 0.3]")
+    answer = railsearch("simulate", "level-crossing", *words, "--histories", histories, "--json")
+    document = json.loads(answer.out)
+    assert math.isclose(document["metrics"]["F_max"], 1078.7541, rel_tol=1e-6)
+    assert document["units"]["F_max"] == "N"
+    with np.load(histories) as stored:
+        assert {"wheel_rail_force", "carbody_acceleration", "sleeper_energy"} <= set(stored)
+        assert stored["wheel_rail_force"].shape == (3446,)
+
+
+@pytest.mark.parametrize(
+    ("words", "messages"),
+    [
+        (("evaluate", "level-crossing", "--set", "xr9=1"), ("'xr9'",)),
+        (("evaluate", "level-crossing", "--set", "xn=1.5"), ("xn", "whole number", "1.5")),
+        (("evaluate", "level-crossing", "--set", "xr1=nan"), ("xr1", "finite", "nan")),
+        (("evaluate", "level-crossing", "--set", "xr1=soft"), ("xr1", "a number", "'soft'")),
+        (("evaluate", "level-crossing", "--set", "xr1=49"), ("xr1", "50 to 1200 MN/m", "49 MN/m")),
+        (("evaluate", "level-crossing", "--set", "xr1"), ("NAME=VALUE", "'xr1'")),
+        (("evaluate", "level-crosing"), ("unknown problem 'level-crosing'", "did you mean 'level-crossing'")),
+        (("evaluate", "level-crossing", "--objectives", "F_min"), ("'F_min'", "F_rms, F_max, E_rms, E_max")),
+        (("evaluate", "level-crossing", "--parameters", "absent.toml"), ("absent.toml", "No such file")),
+        (("simulate", "level-crossing", "--set", "passage.speed=0"), ("passage.speed", "> 0", "0.0 m/s")),
+        (("simulate", "level-crossing", "--set", "passage.speed=800"), ("speed", "critical", "800")),
+        (("simulate", "level-crossing", "--set", "ballast.stiffness=-1"), ("ballast.stiffness", "> 0", "-1.0 N/m")),
+        (("simulate", "level-crossing", "--set", "geometry.slab_length=60"), ("crossing", "120", "134")),
+        (("simulate", "level-crossing", "--set", "rail.aera=1"), ("'aera'", "did you mean 'area'")),
+        (("simulate", "level-crossing", "--histories", "x.csv"), ("--histories", ".npz")),
+        (("list", "tracks"), ("KIND", "track-model", "'tracks'")),
+        (("describe", "nothing"), ("unknown plugin 'nothing'",)),
+        (("sample", "level-crossing", "--seed", "-1"), ("seed", "-1")),
+        (("show", "."), ("holds no run",)),
+    ],
+)
+def test_bad_input_ends_with_code_2_and_names_field_and_value(
+    railsearch: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...], messages: tuple[str, ...]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    refused(railsearch(*words), *messages)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("words", "messages"),
+    [
+        (("--budget", "19", "--objectives", "F_max"), ("budget", "at least 20", "19")),
+        (("--budget", "0", "--objectives", "F_max"), ("budget", "0")),
+        (("--strategy", "dycor"), ("unknown strategy 'dycor'", "did you mean 'dycors'")),
+        ((), ("dycors handles one objective", "F_max, E_max", "asf", "nsga2")),
+        (("--scalarise", "asf", "--objectives", "F_rms,E_max"), ("F_rms", "railsearch sample level-crossing")),
+        (("--scalarise", "asf", "--objectives", "F_max"), ("two objectives",)),
+        (("--objectives", "F_max", "--set", "sigma=1"), ("strategy dycors", "'sigma'")),
+        (("--objectives", "F_max", "--seed", "-3"), ("seed", "-3")),
+        (("--objectives", "F_max", "--timeout", "0"), ("timeout", "0")),
+        (("--objectives", "F_max", "--batch", "0"), ("batch of 0",)),
+        (("--objectives", "F_max", "--storage", "nonsense"), ("--storage", "nonsense")),
+        (("--objectives", "F_max", "--out", "/dev/null/run"), ("cannot be written", "Not a directory")),
+    ],
+)
+def test_a_bad_run_is_refused_before_anything_is_evaluated(
+    railsearch: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...], messages: tuple[str, ...]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    refused(railsearch("run", "level-crossing", *words), *messages)
+    assert not list(tmp_path.glob("*/result.json"))
+
+
+@pytest.mark.parametrize(
+    ("text", "messages"),
+    [
+        ("[variables.xr1]\nlower = 900\nupper = 100", ("xr1", "below", "900 and 100")),
+        ("[variables.xr9]\nlower = 1", ("variables", "'xr9'")),
+        ("[variables.xn]\nlower = 0.5", ("variables.xn.lower", "integer", "0.5")),
+        ("[variables.xl]\nupper = 200", ("xl", "12 m", "200")),
+        ("[variables.xs3]\nlower = 5", ("xs3", "5 to 7", "4")),
+        ("[trak]\nx = 1", ("[trak]", "track, variables, worst")),
+        ("[track.rail]\narea = nan", ("track.rail.area", "finite")),
+        ("[track.zone]\nsleeper_distances = [0.6, 0.6, 0.45]", ("0.1 m", "0.45")),
+        ("[strategy.dycors]\nsigma_start = 'big'", ("strategy.dycors", "sigma_start", "'big'")),
+        ("[strategy.magic]\na = 1", ("unknown strategy 'magic'",)),
+        ("problem = 'bridge'", ("'bridge'", "'level-crossing'")),
+        ("given = 3", ("given", "3")),
+        ("track = 3", ("track", "3")),
+        ("[[", ("not a TOML file",)),
+    ],
+)
+def test_a_bad_site_file_is_refused_by_field(railsearch: Cli, tmp_path: Path, text: str, messages: tuple[str, ...]) -> None:
+    path = tmp_path / "site.toml"
+    path.write_text(text)
+    refused(railsearch("evaluate", "level-crossing", "--parameters", path), *messages)
+
+
+def test_a_written_site_file_is_the_default_site(railsearch: Cli, tmp_path: Path) -> None:
+    path = tmp_path / "site.toml"
+    assert railsearch("init", "level-crossing", "--out", path).code == 0
+    document = tomllib.loads(path.read_text())
+    assert {"track", "variables", "worst", "strategy", "scalariser"} <= set(document)
+    assert re.search(r"# young_modulus|# Young's modulus \[Pa\]", path.read_text())
+    plain = json.loads(railsearch("evaluate", "level-crossing", "--json").out)
+    assert json.loads(railsearch("evaluate", "level-crossing", "-p", path, "--json").out) == plain
+    refused(railsearch("init", "level-crossing", "--out", path), "exists")
+
+
+def test_list_and_describe(railsearch: Cli) -> None:
+    rows = json.loads(railsearch("list", "strategy", "--json").out)
+    assert {"dycors", "lmsrs", "random", "ga", "nsga2"} <= {row["name"] for row in rows}
+    assert {row["distribution"] for row in rows} == {"railsearch"}
+    documents = {row["kind"]: row for row in json.loads(railsearch("describe", "level-crossing", "--json").out)}
+    variables = {variable["name"]: variable for variable in documents["problem"]["variables"]}
+    assert (variables["xr1"]["unit"], variables["xr1"]["lower"], variables["xr1"]["upper"]) == ("MN/m", 50.0, 1200.0)
+    parameters = {row["name"]: row for row in documents["problem"]["parameters"]}
+    assert parameters["track.rail.young_modulus"]["source"]
+    assert all(row["meaning"] for row in parameters.values())
+    text = railsearch("describe", "dycors").out
+    assert "sigma_start" in text
+    for entry in json.loads(railsearch("list", "--json").out):
+        assert railsearch("describe", entry["name"]).code == 0
+
+
+def test_a_run_is_recorded_reported_and_not_repeated(railsearch: Cli, tmp_path: Path) -> None:
+    words = ("run", "level-crossing", "--scalarise", "asf", "--strategy", "random", "--budget", 5, "--out", tmp_path / "run")
+    first = railsearch(*words, "--seed", 7)
+    assert first.code == 0, first.err
+    document = json.loads((tmp_path / "run" / "result.json").read_text())
+    assert (document["status"], document["budget"], document["seed"], document["failed"]) == ("complete", 5, 7, 0)
+    assert [row["number"] for row in document["evaluations"]] == [1, 2, 3, 4, 5]
+    assert document["evaluations"][0]["design"] == REFERENCE
+    assert document["reference"]["origin"] == "given"
+    assert document["scalariser"]["values"]["aspiration"]["F_max"] == 0.8 * document["reference"]["metrics"]["F_max"]
+    assert {plugin["name"] for plugin in document["plugins"]} >= {"level-crossing", "random", "asf"}
+    assert "numpy" in document["versions"]
+    assert "better by" in first.out
+    assert "F_max [N]" in first.out
+    for name in ("report.html", "study.db", "figures"):
+        assert (tmp_path / "run" / name).exists()
+    assert {path.suffix for path in (tmp_path / "run" / "figures").iterdir()} == {".png", ".svg"}
+    before = {
+        path: path.stat().st_mtime_ns
+        for path in (tmp_path / "run").rglob("*")
+        if path.name in ("report.html", "result.json")
+    }
+    again = railsearch(*words, "--json")
+    assert "complete" in again.err
+    assert json.loads(again.out) == document
+    assert {path: path.stat().st_mtime_ns for path in before} == before
+    shown = railsearch("show", tmp_path / "run", "--json")
+    assert json.loads(shown.out)["evaluations"] == document["evaluations"]
+    assert json.loads(shown.out)["best"] == document["best"]
+
+
+def test_another_run_does_not_touch_the_folder(railsearch: Cli, tmp_path: Path) -> None:
+    words = ("run", "level-crossing", "--objectives", "F_max", "--strategy", "random", "--budget", 2, "--out", tmp_path)
+    assert railsearch(*words, "--seed", 1).code == 0
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    refused(railsearch(*words, "--seed", 2), "another run", "seed: there 1, here 2", "Nothing was changed")
+    other = ("run", "level-crossing", "--objectives", "E_max", "--strategy", "random", "--budget", 2, "--out", tmp_path)
+    refused(railsearch(*other, "--seed", 1), "another run", "objectives")
+    refused(railsearch(*words[:-3], 3, "--out", tmp_path, "--seed", 1), "another run", "budget: there 2, here 3")
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
+
+
+def test_a_storage_url_takes_many_runs_and_refuses_a_changed_one(railsearch: Cli, tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path / 'all.db'}"
+    words = ("run", "level-crossing", "--objectives", "F_max", "--strategy", "random", "--storage", url)
+    assert railsearch(*words, "--budget", 2, "--seed", 1, "--out", tmp_path / "one").code == 0
+    assert railsearch(*words, "--budget", 2, "--seed", 2, "--out", tmp_path / "two").code == 0
+    answer = railsearch(*words, "--budget", 3, "--seed", 1, "--out", tmp_path / "three")
+    refused(answer, "all.db", "budget: there 2, here 3")
+    assert len(json.loads(railsearch("show", tmp_path / "two", "--json").out)["evaluations"]) == 2
+
+
+def test_failures_and_time_outs_are_results(railsearch: Cli, tmp_path: Path, install: Callable[..., None]) -> None:
+    install(samples=sample_problems)
+    words = ("run", "troubled", "--strategy", "random", "--budget", 25, "--seed", 3, "--timeout", 0.4, "--out", tmp_path)
+    answer = railsearch(*words, "--json")
+    assert answer.code == 0, answer.err
+    document = json.loads(answer.out)
+    assert len(document["evaluations"]) == 25
+    reasons = " ".join(row["reason"] for row in document["evaluations"])
+    assert all(word in reasons for word in ("no ballast", "time limit of 0.4 s exceeded", "process died", "distance is"))
+    assert document["best"]["reason"] == ""
+
+
+def test_two_objectives_give_a_front(railsearch: Cli, tmp_path: Path, install: Callable[..., None]) -> None:
+    install(samples=sample_problems)
+    answer = railsearch("run", "two", "--strategy", "nsga2", "--budget", 60, "--seed", 1, "--out", tmp_path)
+    assert answer.code == 0, answer.err
+    assert "front of" in answer.out
+    document = json.loads((tmp_path / "result.json").read_text())
+    assert len(document["front"]) > 2
+    assert document["reference"]["metrics"]["comfort"] > 0, "a maximised quantity is shown with its natural sign"
+
+
+def test_sample_prints_the_worst_values_as_a_section(railsearch: Cli) -> None:
+    answer = railsearch("sample", "level-crossing", "--number", 4, "--seed", 1)
+    section = tomllib.loads(answer.out[answer.out.index("[worst]") :])["worst"]
+    rows = json.loads(railsearch("sample", "level-crossing", "--number", 4, "--seed", 1, "--json").out)["objectives"]
+    assert {name: f"{row['worst']:.6g}" for name, row in rows.items()} == {k: f"{v:.6g}" for k, v in section.items()}
+    assert set(section) == {"F_rms", "F_max", "E_rms", "E_max"}
+
+
+def test_given_designs_of_a_site_come_after_the_reference(railsearch: Cli, tmp_path: Path) -> None:
+    path = tmp_path / "site.toml"
+    path.write_text("[[given]]\nxr3 = 100\n[[given]]\nxr1 = 1120\n")
+    words = ("run", "level-crossing", "--objectives", "F_max", "--strategy", "random", "--budget", 3, "-p", path)
+    document = json.loads(railsearch(*words, "--seed", 1, "--out", tmp_path / "run", "--json").out)
+    assert [row["origin"] for row in document["evaluations"]] == ["given", "given", "random"]
+    assert document["evaluations"][1]["design"] == {**REFERENCE, "xr3": 100.0}
+
+
+LIMITED = """
+import resource, sys
+resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit}))
+from railsearch.cli import main
+sys.argv = ["railsearch", *{words!r}]
+main()
+"""
+
+
+def test_a_full_disk_loses_nothing(railsearch: Cli, tmp_path: Path) -> None:
+    words = ["run", "level-crossing", "--objectives", "F_max", "--strategy", "random", "--budget", "30", "--seed", "1"]
+    full = [*words, "--out", str(tmp_path / "full")]
+    code = LIMITED.format(limit=180_000, words=full)
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert ended.returncode == 2, ended.stderr
+    (message,) = re.findall(r"error: (.*)", ended.stderr)
+    stored = int(re.search(r"(\d+) evaluations are safe", message)[1])  # type: ignore[index]
+    assert 0 < stored < 30
+    assert len(json.loads(railsearch("show", tmp_path / "full", "--json").out)["evaluations"]) == stored
+    assert railsearch(*full).code == 0
+    assert railsearch(*words, "--out", tmp_path / "roomy").code == 0
+    first, second = (json.loads((tmp_path / name / "result.json").read_text()) for name in ("full", "roomy"))
+    keys = ("design", "objectives", "metrics", "origin")
+    assert [[row[key] for key in keys] for row in first["evaluations"]] == [
+        [row[key] for key in keys] for row in second["evaluations"]
+    ]

@@ -1,0 +1,87 @@
+"""A real process is killed at random moments; started again with the same command it ends as an undisturbed one."""
+
+import json
+import random
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+COMMAND = (sys.executable, "-c", "from railsearch.cli import main; main()")
+WORDS = ("run", "level-crossing", "--scalarise", "asf", "--budget", "34", "--seed", "6")
+
+
+def started(out: Path) -> subprocess.Popen[bytes]:
+    return subprocess.Popen([*COMMAND, *WORDS, "--out", str(out)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def stored(out: Path) -> int:
+    if not (out / "study.db").exists():
+        return 0
+    try:
+        with sqlite3.connect(f"file:{out / 'study.db'}?mode=ro", uri=True) as connection:
+            return int(connection.execute("select count(*) from trials").fetchone()[0])
+    except sqlite3.OperationalError:
+        return 0
+
+
+def kill_after(out: Path, evaluations: int, seconds: float) -> None:
+    """Start the run and kill it some time after that many evaluations have been stored."""
+    process = started(out)
+    while stored(out) < evaluations and process.poll() is None:
+        time.sleep(0.005)
+    time.sleep(seconds)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+
+
+def sequence(out: Path) -> list[Any]:
+    document = json.loads((out / "result.json").read_text())
+    assert document["status"] == "complete"
+    kept = ("number", "design", "objectives", "metrics", "origin", "trajectory", "reason")
+    return [{key: row[key] for key in kept} for row in document["evaluations"]]
+
+
+def test_killed_at_random_moments_it_ends_as_if_undisturbed(tmp_path: Path) -> None:
+    assert started(tmp_path / "calm").wait() == 0
+    moments = random.Random(20)
+    reached = []
+    for evaluations in sorted(moments.sample(range(34), 5)):
+        kill_after(tmp_path / "killed", evaluations, moments.uniform(0.0, 0.15))
+        reached.append(stored(tmp_path / "killed"))
+    assert reached == sorted(reached)
+    assert 0 < reached[-1] < 34, "the kills must fall into the run"
+    assert started(tmp_path / "killed").wait() == 0
+    assert sequence(tmp_path / "killed") == sequence(tmp_path / "calm")
+    assert stored(tmp_path / "killed") == 34
+
+
+def test_a_second_process_is_kept_out(tmp_path: Path) -> None:
+    process = started(tmp_path)
+    try:
+        while stored(tmp_path) < 2:
+            assert process.poll() is None
+            time.sleep(0.02)
+        second = subprocess.run([*COMMAND, *WORDS, "--out", str(tmp_path)], capture_output=True, text=True, check=False)
+        assert second.returncode == 2
+        assert "in use by another process" in second.stderr
+    finally:
+        process.kill()
+        process.wait()
+
+
+@pytest.mark.parametrize("moment", ["before the study is described", "after it"])
+def test_a_kill_around_the_making_of_the_study_leaves_a_folder_that_goes_on(tmp_path: Path, moment: str) -> None:
+    process = started(tmp_path)
+    while not (tmp_path / ("study.db" if moment.startswith("before") else "run.json")).exists():
+        assert process.poll() is None
+        time.sleep(0.001)
+    process.kill()
+    process.wait()
+    assert started(tmp_path).wait() == 0
+    assert stored(tmp_path) == 34
