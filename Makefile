@@ -1,0 +1,41 @@
+# Two commands on a fresh machine: `make demo` searches a real level crossing, `make test` checks everything.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+DEMO := demo-run
+MARK := $(shell command -v chromium >/dev/null 2>&1 || echo "not system")
+
+.PHONY: demo test lint benchmark clean
+
+demo: $(VENV)/run.stamp
+	$(BIN)/railsearch run level-crossing --strategy dycors --scalarise asf --budget 200 --seed 1 --out $(DEMO)
+	@echo "Look into $(DEMO)/report.html, or start: $(BIN)/railsearch dashboard $(DEMO)"
+
+test: $(VENV)/test.stamp lint
+	@test -z "$(MARK)" || echo "Left out, for want of Chromium: the tests marked 'system' (named at the end as deselected)"
+	$(BIN)/pytest -n 2 --dist loadgroup -m "$(MARK)"
+	@test -z "$(MARK)" || $(BIN)/pytest --collect-only -qq -m system 2>/dev/null | sed 's/^/left out: /'
+
+lint: $(VENV)/test.stamp
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+benchmark: $(VENV)/test.stamp
+	$(BIN)/python benchmarks/level_crossing_speed.py
+
+clean:
+	rm -rf $(VENV) $(DEMO) build dist *.egg-info
+
+$(BIN)/python:
+	$(PYTHON) -c 'import sys; sys.exit("railsearch needs Python 3.11 or newer" if sys.version_info < (3, 11) else 0)'
+	$(PYTHON) -m venv $(VENV)
+
+$(VENV)/run.stamp: $(BIN)/python pyproject.toml constraints.txt
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable .
+	@touch $@
+
+$(VENV)/test.stamp: $(BIN)/python pyproject.toml constraints.txt
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[test]"
+	@touch $@ $(VENV)/run.stamp
