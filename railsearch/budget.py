@@ -4,10 +4,9 @@ It charges one evaluation per new design, refuses the one beyond the budget, ans
 records failures as results, and, when a run is continued, answers from the record until that ends.
 """
 
-import itertools
 import math
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,11 +14,11 @@ import numpy as np
 from railsearch.design_problem import DesignProblem
 from railsearch.errors import BudgetExhausted, InputError, PluginError, RailsearchError, StorageError
 from railsearch.interfaces import Evaluation, Outcome, Proposal
+from railsearch.sampling import unseen_design
 from railsearch.simulation import Simulator
-from railsearch.space import FloatArray, Space
+from railsearch.space import FloatArray
 
 REPEATS_IN_A_ROW = 100
-RANDOM_TRIES = 1000
 
 
 class BudgetedEvaluator:
@@ -72,10 +71,13 @@ class BudgetedEvaluator:
         known = self._known.get(self._problem.space.key(proposal.design))
         if known is not None:
             self._repeats_in_a_row += 1
-            if self._repeats_in_a_row <= REPEATS_IN_A_ROW or self.exhausted:
+            if self._repeats_in_a_row <= REPEATS_IN_A_ROW:
                 self.repeats += 1
                 return replace(known, repeated=True)
-            proposal = Proposal(self._unseen(), "unseen", proposal.trajectory)
+            unseen = unseen_design(self._problem.space, set(self._known), self._generator)
+            if unseen is None:
+                raise BudgetExhausted("every design of the space has been evaluated")
+            proposal = Proposal(unseen, "unseen", proposal.trajectory)
         return self._charged(proposal, overhead)
 
     def _charged(self, proposal: Proposal, overhead: float) -> Evaluation:
@@ -142,21 +144,6 @@ class BudgetedEvaluator:
             return self._problem.space.checked(proposal.design)
         except InputError as error:
             raise PluginError(f"the strategy proposed a design that is not allowed ({proposal.origin}): {error}") from None
-
-    def _unseen(self) -> FloatArray:
-        space = self._problem.space
-        for _ in range(RANDOM_TRIES):
-            design = space.from_unit(self._generator.random(space.dimension))
-            if space.key(design) not in self._known:
-                return design
-        return next(design for design in _all_designs(space) if space.key(design) not in self._known)
-
-
-def _all_designs(space: Space) -> Iterator[FloatArray]:
-    if math.isinf(space.size):
-        raise BudgetExhausted("no unseen design was found")
-    ranges = [range(int(variable.lower), int(variable.upper) + 1) for variable in space.variables]
-    return (np.array(design, dtype=float) for design in itertools.product(*ranges))
 
 
 def _fault(problem: DesignProblem, outcome: Outcome) -> str:

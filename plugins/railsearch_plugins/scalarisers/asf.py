@@ -71,6 +71,11 @@ class AchievementScalarisingFunction:
         """The worst values by objective name."""
         return dict(zip(self._names, self._worst.tolist(), strict=True))
 
+    @property
+    def values(self) -> Mapping[str, object]:
+        """Aspirations, worst values and augmentation in use."""
+        return {"aspiration": self.aspiration, "worst": self.worst, "rho": self._parameters.rho}
+
     def prepare(self, reference: FloatArray) -> None:
         """Set the aspirations that are not explicit to f − (1 − fraction) |f|, with f (m,) of the reference design.
 
