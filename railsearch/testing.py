@@ -64,23 +64,28 @@ def check_strategy(
     surrogate: makes a surrogate from its name, dimension and settings; by default one of the registered ones.
     Raises AssertionError with an explanation.
     """
-    make = partial(_strategy, plugin, dict(settings or {}), surrogate or load_plugins().surrogate)
+    run = partial(run_trial, plugin, settings=settings, surrogate=surrogate or load_plugins().surrogate)
     for base in _base_trials(plugin.capabilities):
-        _check_reproducible(make, base)
+        _check_reproducible(run, base)
         for trial in _disturbed(base, plugin.capabilities):
-            run_trial(make, trial)
+            run(trial)
 
 
 def run_trial(
-    make: Callable[[Trial], Strategy], trial: Trial, objective: Callable[[FloatArray], FloatArray] | None = None
+    plugin: Any,
+    trial: Trial,
+    settings: Mapping[str, object] | None = None,
+    surrogate: MakeSurrogate | None = None,
+    objective: Callable[[FloatArray], FloatArray] | None = None,
 ) -> list[Evaluation]:
-    """Run a strategy through a trial, on one core as in a run, and hand back the evaluations; every proposal is checked.
+    """Run a strategy class through a trial, on one core as in a run, and hand back the evaluations in their order.
 
-    objective: objectives (m,) of a design (d,), by default convex ones with different minima.
-    Raises AssertionError for a proposal that is not allowed.
+    objective: objectives (m,) of a design (d,), by default convex ones with different minima; surrogate: as in
+    `check_strategy`. Raises AssertionError for a proposal that is not allowed.
     """
+    strategy = _strategy(plugin, settings or {}, surrogate or load_plugins().surrogate, trial)
     with threadpool_limits(1):
-        return _run_trial(make(trial), trial, objective or partial(_bowls, trial))
+        return _run_trial(strategy, trial, objective or partial(_bowls, trial))
 
 
 def check_surrogate(plugin: Any, settings: Mapping[str, object] | None = None, interpolates: bool = True) -> None:
@@ -199,11 +204,11 @@ def _disturbed(base: Trial, capabilities: Capabilities) -> Iterator[Trial]:
         yield replace(base, batch_size=7, strangers=True, repeats=True, fails=lambda number: number % 4 == 0)
 
 
-def _check_reproducible(make: Callable[[Trial], Strategy], trial: Trial) -> None:
+def _check_reproducible(run: Callable[[Trial], list[Evaluation]], trial: Trial) -> None:
     before = _global_state()
-    first = _designs(run_trial(make, trial))
+    first = _designs(run(trial))
     _require(_global_state() == before, "the strategy draws from numpy's global generator; use context.generator")
-    second, other = (_designs(run_trial(make, replace(trial, seed=seed))) for seed in (trial.seed, trial.seed + 1))
+    second, other = (_designs(run(replace(trial, seed=seed))) for seed in (trial.seed, trial.seed + 1))
     _require(first == second, "two runs from the same seed propose different designs; use context.generator only")
     _require(first != other, "runs from different seeds propose the same designs")
 

@@ -11,6 +11,8 @@ from railsearch.interfaces import Evaluation
 from railsearch.result import values_of
 from railsearch.run import Watch, front
 
+FAILURES_SHOWN = 5
+
 
 @contextmanager
 def run_progress(problem: DesignProblem, budget: int) -> Iterator[Watch]:
@@ -34,6 +36,8 @@ def run_progress(problem: DesignProblem, budget: int) -> Iterator[Watch]:
             nonlocal members, failed
             members = front([*members, evaluation])
             failed += evaluation.failed
+            if evaluation.failed and failed <= FAILURES_SHOWN:
+                progress.console.print(f"evaluation {evaluation.number + 1} failed: {evaluation.reason}")
             progress.update(
                 task, advance=1, best=best_so_far(problem, members), failed=f", {failed} failed" if failed else ""
             )

@@ -1,0 +1,66 @@
+"""What the README says is run as it stands there."""
+
+import re
+import types
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import Answer
+
+from railsearch.testing import check_strategy
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def fenced(language: str) -> str:
+    (block,) = re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
+    return str(block)
+
+
+@pytest.fixture
+def jumps() -> types.ModuleType:
+    module = types.ModuleType("jumps")
+    exec(compile(fenced("python"), "jumps.py", "exec"), vars(module))
+    return module
+
+
+def test_the_smallest_plugin_runs(
+    railsearch: Callable[..., Answer], install: Callable[..., None], jumps: types.ModuleType, tmp_path: Path
+) -> None:
+    install(railsearch_jumps=lambda: jumps)
+    words = "run level-crossing --scalarise asf --strategy jumps --budget 5 --seed 1".split()
+    assert " ".join(words[:-4]) in README
+    answer = railsearch(*words, "--out", tmp_path)
+    assert answer.code == 0, answer.err
+    assert "5 of 5 evaluations" in answer.out
+
+
+def test_the_smallest_plugin_passes_the_conformance_suite(jumps: types.ModuleType) -> None:
+    check_strategy(jumps.Jumps)
+
+
+def test_the_package_of_the_smallest_plugin_names_its_entry_point() -> None:
+    import tomllib
+
+    document = tomllib.loads(fenced("toml"))
+    assert document["project"]["entry-points"]["railsearch"] == {"jumps": "jumps"}
+    assert document["tool"]["setuptools"]["py-modules"] == ["jumps"]
+
+
+def test_the_python_example_runs() -> None:
+    (block,) = re.findall(r"### From Python\n\n((?:    .*\n|\n)+)", README)
+    code = "\n".join(line[4:] for line in block.splitlines()).replace("200)", "24)").replace("pop_size=20", "pop_size=8")
+    names: dict[str, object] = {}
+    exec(compile(code, "README.md", "exec"), names)
+    assert np.atleast_2d(names["result"].F).shape[1] == 2  # type: ignore[attr-defined]
+
+
+def test_every_command_and_file_that_the_readme_names_exists(railsearch: Callable[..., Answer]) -> None:
+    commands = set(re.findall(r"^    railsearch ([a-z]+)", README, re.MULTILINE))
+    for command in commands:
+        assert railsearch(command, "--help").code == 0
+    for path in re.findall(r"\]\(([^)#]+)\)", README):
+        assert (ROOT / path).exists(), path
