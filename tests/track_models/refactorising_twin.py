@@ -6,6 +6,7 @@ element matrices in closed form, Newmark's method with accelerations, and gravit
 
 import functools
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import scipy.sparse
@@ -14,7 +15,6 @@ from scipy.interpolate import CubicSpline
 from scipy.sparse.linalg import splu
 
 from railsearch_plugins.track_models.level_crossing.parameters import LevelCrossingParameters
-
 
 # The fastest of SuperLU's orderings for this matrix.
 ORDERING = "MMD_AT_PLUS_A"
@@ -99,10 +99,7 @@ def sleepers(p: LevelCrossingParameters):
 def mesh(p: LevelCrossingParameters):
     g = p.geometry
     edges = [0.0, *(g.approach_length + g.slab_length * i for i in range(g.slab_count + 1)), g.total_length]
-    pieces = [
-        np.linspace(a, b, int(np.ceil((b - a) / p.passage.element_length - 1e-6)) + 1)
-        for a, b in zip(edges[:-1], edges[1:], strict=True)
-    ]
+    pieces = [np.linspace(a, b, int(np.ceil((b - a) / p.passage.element_length - 1e-6)) + 1) for a, b in pairwise(edges)]
     return np.concatenate([pieces[0], *(piece[1:] for piece in pieces[1:])])
 
 
@@ -113,7 +110,7 @@ def couple(p: LevelCrossingParameters) -> Coupled:
     rail_mass, EI = p.rail.density * p.rail.area, p.rail.young_modulus * p.rail.second_moment
     slab_mass, slab_EI = p.slab.density * p.slab.area, p.slab.young_modulus * p.slab.second_moment
     slab_first, size = {}, 2 * nodes.size
-    for e, (a, b) in enumerate(zip(nodes[:-1], nodes[1:], strict=True)):
+    for e, (a, b) in enumerate(pairwise(nodes)):
         l = round(b - a, 13)  # noqa: E741
         gram, curvature = integrated(l, 0.0, l), integrated(l, 0.0, l, 2)
         rail = np.arange(2 * e, 2 * e + 4)

@@ -10,6 +10,10 @@ from railsearch.parameters import make_parameters
 from railsearch_plugins.track_models.level_crossing.layout import SAME_PLACE, sleeper_distances_from_crossing
 from railsearch_plugins.track_models.level_crossing.parameters import LevelCrossingParameters
 
+# What fits in a gigabyte or so; far beyond what converges.
+MOST_STEPS = 1e6
+MOST_ELEMENTS = 1e5
+
 
 def checked(parameters: LevelCrossingParameters) -> LevelCrossingParameters:
     """The parameters themselves, if every field is in its range and they fit together.
@@ -22,6 +26,7 @@ def checked(parameters: LevelCrossingParameters) -> LevelCrossingParameters:
     _check_windows(sound)
     _check_vehicle(sound)
     _check_passage(sound)
+    _check_mesh(sound)
     _check_irregularity(sound)
     return sound
 
@@ -159,6 +164,27 @@ def _check_passage(parameters: LevelCrossingParameters) -> None:
         f"the wheel may advance by no more than the smallest sleeper distance of {closest:g} m in a step",
         f"{passage.time_step:g} s ({passage.speed * passage.time_step:g} m)",
         f"use {closest / passage.speed:.2g} s or less",
+    )
+    steps = parameters.geometry.total_length / (passage.speed * passage.time_step)
+    _require(
+        steps <= MOST_STEPS,
+        "passage.time_step",
+        f"the run would take {steps:g} steps and {MOST_STEPS:g} are the most",
+        f"{passage.time_step:g} s",
+        "lengthen the time step",
+    )
+
+
+def _check_mesh(parameters: LevelCrossingParameters) -> None:
+    passage, zone = parameters.passage, parameters.zone
+    closest = min(parameters.sleeper.spacing, *zone.sleeper_distances)
+    elements = parameters.geometry.total_length / passage.element_length
+    _require(
+        elements <= MOST_ELEMENTS,
+        "passage.element_length",
+        f"the rail would have {elements:g} elements and {MOST_ELEMENTS:g} are the most",
+        f"{passage.element_length:g} m",
+        "lengthen the elements",
     )
     _require(
         passage.element_length <= closest + SAME_PLACE,
