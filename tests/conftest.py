@@ -69,6 +69,11 @@ def install(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
 
     def installed(**loaders: Callable[[], Any]) -> None:
         points = [InstalledPoint(name, load) for name, load in loaders.items()]
-        monkeypatch.setattr(importlib.metadata, "entry_points", lambda group: points if group == "railsearch" else [])
+        real = importlib.metadata.entry_points
+
+        def entry_points(**selection: str) -> Any:
+            return points if selection == {"group": "railsearch"} else real(**selection)
+
+        monkeypatch.setattr(importlib.metadata, "entry_points", entry_points)
 
     return installed
