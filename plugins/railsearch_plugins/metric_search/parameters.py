@@ -78,7 +78,7 @@ class MetricSearchParameters:
         200, meaning="upper limit of the relaxations solved in one tree search", source="Holmström 2008", minimum=1
     )
     tree_search_starts: int = parameter(
-        3,
+        2,
         meaning="points from which each relaxation is minimised, the lowest known in its box",
         source="Holmström 2008",
         minimum=1,

@@ -1,0 +1,273 @@
+"""Every registered strategy, surrogate and scalariser passes the shipped suite; the suite finds what it is there to find."""
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from railsearch.interfaces import Capabilities, Proposal
+from railsearch.plugin_manager import load_plugins
+from railsearch.sampling import random_designs
+from railsearch.scalarise import augmented_chebyshev
+from railsearch.testing import check_scalariser, check_strategy, check_surrogate
+from railsearch_plugins.scalarisers.asf import AchievementScalarisingFunction
+from railsearch_plugins.strategies.random import RandomSearch
+from railsearch_plugins.surrogates.rbf import RadialBasisFunctionInterpolant
+
+
+def registered(kind):
+    return pytest.mark.parametrize("plugin", [pytest.param(e.plugin, id=e.name) for e in load_plugins().entries(kind)])
+
+
+@registered("strategy")
+def test_strategy(plugin):
+    check_strategy(plugin)
+
+
+@registered("surrogate")
+def test_surrogate(plugin):
+    check_surrogate(plugin)
+
+
+@registered("scalariser")
+def test_scalariser(plugin):
+    check_scalariser(plugin)
+
+
+@pytest.mark.parametrize("settings", [{"kernel": "thin-plate"}, {"kernel": "linear"}])
+def test_rbf_kernels(settings):
+    check_surrogate(RadialBasisFunctionInterpolant, settings)
+
+
+def test_capped_rbf_regresses():
+    check_surrogate(RadialBasisFunctionInterpolant, {"cap_above_median": True}, interpolates=False)
+
+
+class Changed(RandomSearch):
+    """Random search with something done to its proposals."""
+
+    def __init__(self, context, parameters):
+        super().__init__(context, parameters)
+        self.context = context
+
+    def ask(self):
+        return [replace(proposal, design=self.change(proposal.design)) for proposal in super().ask()]
+
+
+class OutOfBounds(Changed):
+    def change(self, design):
+        return design + 0.7 * (self.context.space.upper - self.context.space.lower)
+
+
+class Fractional(Changed):
+    def change(self, design):
+        return np.where(self.context.space.integer, np.minimum(design + 0.25, self.context.space.upper), design)
+
+
+class PlainList(Changed):
+    def change(self, design):
+        return design.tolist()
+
+
+class WholeArray(Changed):
+    def change(self, design):
+        return np.round(design).astype(int)
+
+
+class GloballyRandom(RandomSearch):
+    def ask(self):
+        np.random.random()  # noqa: NPY002 - the fault to be found
+        return super().ask()
+
+
+class SelfSeeded(Changed):
+    count = itertools.count()
+
+    def change(self, design):
+        return random_designs(self.context.space, 1, np.random.default_rng(next(SelfSeeded.count)))[0]
+
+
+class Fixed(Changed):
+    def change(self, design):
+        return self.context.space.lower.copy()
+
+
+class Silent(RandomSearch):
+    def ask(self):
+        return []
+
+
+class TooMany(RandomSearch):
+    def ask(self):
+        return [*super().ask(), *super().ask()]
+
+
+class Unlabelled(RandomSearch):
+    def ask(self):
+        return [replace(proposal, origin="") for proposal in super().ask()]
+
+
+class Counted(RandomSearch):
+    def ask(self):
+        return [Proposal(proposal.design, "random", -1) for proposal in super().ask()]
+
+
+class Overwriting(RandomSearch):
+    def tell(self, evaluations):
+        evaluations[0].design[:] = 0.0
+
+
+class Trusting(RandomSearch):
+    def tell(self, evaluations):
+        if any(np.isnan(evaluation.objectives).any() for evaluation in evaluations):
+            raise AssertionError("a failed evaluation was not survived")
+
+
+@pytest.mark.parametrize(
+    ("plugin", "explanation"),
+    [
+        (OutOfBounds, "outside the bounds"),
+        (Fractional, "fractions in the integers"),
+        (PlainList, "float vector"),
+        (WholeArray, "float vector"),
+        (GloballyRandom, "global generator"),
+        (SelfSeeded, "same seed propose different designs"),
+        (Fixed, "different seeds propose the same designs"),
+        (Silent, "proposed nothing"),
+        (TooMany, "2 designs were proposed, a batch is 1 at most"),
+        (Unlabelled, "origin in a word"),
+        (Counted, "trajectory must be an integer ≥ 0"),
+        (Overwriting, "altered a design it was told"),
+        (Trusting, "failed evaluation was not survived"),
+    ],
+)
+def test_a_strategy_at_fault_is_found(plugin, explanation):
+    with pytest.raises(AssertionError, match=explanation):
+        check_strategy(plugin)
+
+
+def test_only_what_a_strategy_claims_is_asked_of_it():
+    class OnlyReal(RandomSearch):
+        capabilities = Capabilities()
+
+        def __init__(self, context, parameters):
+            super().__init__(context, parameters)
+            assert not context.space.integer.any()
+            assert (context.n_objectives, context.n_constraints, context.batch_size) == (1, 0, 1)
+
+    check_strategy(OnlyReal)
+
+
+class Biased(RadialBasisFunctionInterpolant):
+    def predict(self, points):
+        return super().predict(points) + 0.1
+
+
+class WrongSlope(RadialBasisFunctionInterpolant):
+    def gradient(self, points):
+        return 1.001 * super().gradient(points)
+
+
+class Forgetful(RadialBasisFunctionInterpolant):
+    def add(self, points, values):
+        super().add(points[:1], values[:1])
+
+
+class Flat(RadialBasisFunctionInterpolant):
+    def predict(self, points):
+        return super().predict(points)[:, None]
+
+
+class Sorting(RadialBasisFunctionInterpolant):
+    def fit(self, points, values):
+        points.sort(axis=0)
+        super().fit(points, values)
+
+
+class Lenient(RadialBasisFunctionInterpolant):
+    def fit(self, points, values):
+        super().fit(points, np.nan_to_num(values))
+
+
+class Greedy(RadialBasisFunctionInterpolant):
+    def fit(self, points, values):
+        if len(points):
+            super().fit(points, values)
+
+
+class Crowded(RadialBasisFunctionInterpolant):
+    def predict(self, points):
+        return super().predict(points) + (len(points) > 1)
+
+
+@pytest.mark.parametrize(
+    ("plugin", "explanation"),
+    [
+        (Biased, "misses values"),
+        (WrongSlope, "central differences"),
+        (Forgetful, "added one after another"),
+        (Flat, "predict must give"),
+        (Sorting, "altered its arguments"),
+        (Lenient, "not a number was accepted"),
+        (Greedy, "fit to no points was accepted"),
+        (Crowded, "differ from one by one"),
+    ],
+)
+def test_a_surrogate_at_fault_is_found(plugin, explanation):
+    with pytest.raises(AssertionError, match=explanation):
+        check_surrogate(plugin)
+
+
+class Unready(AchievementScalarisingFunction):
+    def prepare(self, reference):
+        """Forget it."""
+
+
+class Sharing(AchievementScalarisingFunction):
+    def prepare(self, reference):
+        self._aspiration[:] = 0.8 * reference
+
+
+class Backwards(AchievementScalarisingFunction):
+    def __call__(self, objectives):
+        return -super().__call__(objectives)
+
+
+class Summed(AchievementScalarisingFunction):
+    def __call__(self, objectives):
+        return super().__call__(objectives).sum()
+
+
+class Relative(AchievementScalarisingFunction):
+    def __call__(self, objectives):
+        return super().__call__(objectives) - super().__call__(objectives).mean()
+
+
+class Divided(AchievementScalarisingFunction):
+    def __call__(self, objectives):
+        return augmented_chebyshev(objectives, np.zeros(3), np.ones(3), 0.0) / np.array(0.0)
+
+
+class Shifting(AchievementScalarisingFunction):
+    def __call__(self, objectives):
+        objectives -= 1.0
+        return super().__call__(objectives)
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+@pytest.mark.parametrize(
+    ("plugin", "explanation"),
+    [
+        (Unready, "not ready"),
+        (Sharing, "prepared the original too"),
+        (Backwards, "does not get a lower scalar"),
+        (Summed, "shape"),
+        (Relative, "differ from row by row"),
+        (Divided, "not finite"),
+        (Shifting, "altered the objectives"),
+    ],
+)
+def test_a_scalariser_at_fault_is_found(plugin, explanation):
+    with pytest.raises(AssertionError, match=explanation):
+        check_scalariser(plugin)
