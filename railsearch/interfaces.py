@@ -156,6 +156,9 @@ class TrackModel(Protocol):
     metrics: Sequence[Quantity]
     histories: Sequence[Quantity]
 
+    def warm_up(self) -> None:
+        """Do what is done once per process (compilation), so that it counts in no simulation's time."""
+
     def simulate(self, parameters: Any, histories: bool = False) -> Response:
         """Simulate one passage. Raises InputError for parameters not allowed, SimulationError if it diverges."""
 

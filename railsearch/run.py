@@ -97,6 +97,8 @@ def run_search(
     record = record or MemoryRecord()
     stored = record.load()
     with closing(simulator(problem, settings.timeout)) as simulating, threadpool_limits(1):
+        if len(stored) < settings.budget:
+            simulating.warm_up()
         evaluator = BudgetedEvaluator(
             problem, simulating, settings.budget, stored, record.append, run_generators(settings.seed).unseen
         )

@@ -19,6 +19,9 @@ START_SECONDS = 120.0
 class Simulator(Protocol):
     """Carries out `problem.simulate`; a failure comes back as its reason, never as an exception."""
 
+    def warm_up(self) -> None:
+        """Do what is done once per process, so that no evaluation is charged for it."""
+
     def simulate(self, design: FloatArray) -> Outcome | str:
         """The outcome of a design (d,), or the reason why there is none."""
 
@@ -31,6 +34,10 @@ class InProcess:
 
     def __init__(self, problem: DesignProblem) -> None:
         self._problem = problem
+
+    def warm_up(self) -> None:
+        """Warm the problem up here."""
+        self._problem.warm_up()
 
     def simulate(self, design: FloatArray) -> Outcome | str:
         """The outcome of a design (d,), or the exception that was raised, in words."""
@@ -56,6 +63,10 @@ class TimeLimited:
         self._timeout = timeout
         self._process: BaseProcess | None = None
         self._connection: Connection | None = None
+
+    def warm_up(self) -> None:
+        """Start the process, which warms the problem up."""
+        self._started()
 
     def simulate(self, design: FloatArray) -> Outcome | str:
         """The outcome of a design (d,), or why there is none: an exception, the time limit, the death of the process."""

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from railsearch.errors import InputError
 from railsearch.parameters import allowed_values, make_parameters
 from railsearch.plugin_manager import Registry
@@ -44,6 +46,7 @@ def site_template(registry: Registry, problem: str) -> str:
     """A commented site file with every default of a problem, of all strategies and of all scalarisers."""
     lines = [
         f"# A site for the problem {problem}. Every value is the default; SI units unless the comment says otherwise.",
+        '# A list may stand in a text file beside this one (columns, lines with # are comments): { file = "x.csv", column = 1 }',
         f"problem = {json.dumps(problem)}",
     ]
     for section, start in registry.get("problem", problem).sections(registry).items():
@@ -58,11 +61,36 @@ def site_template(registry: Registry, problem: str) -> str:
 
 def _parsed(path: Path) -> dict[str, Any]:
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        document = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: is not a TOML file: {error}") from None
+    columns: dict[str, Any] = _with_columns(document, path)
+    return columns
+
+
+def _with_columns(value: Any, path: Path) -> Any:
+    """The document with every table {file = …, column = …} replaced by that column of a file beside it."""
+    if not isinstance(value, dict):
+        return value
+    if set(value) == {"file", "column"}:
+        return _column(path, value["file"], value["column"])
+    return {key: _with_columns(entry, path) for key, entry in value.items()}
+
+
+def _column(path: Path, file: object, column: object) -> list[float]:
+    if not isinstance(file, str) or isinstance(column, bool) or not isinstance(column, int) or column < 1:
+        raise InputError(f"{path}: file = NAME and column = 1, 2, … are needed, received {file!r} and {column!r}")
+    table = path.parent / file
+    try:
+        lines = table.read_text(encoding="utf-8").replace(",", " ").replace(";", " ").splitlines()
+        values = np.loadtxt(lines, ndmin=2)[:, column - 1]
+    except OSError as error:
+        raise InputError(f"{table}: cannot be read: {error.strerror}") from None
+    except (ValueError, IndexError) as error:
+        raise InputError(f"{table}: numbers in {column} or more columns are needed: {error}") from None
+    return [float(value) for value in values]
 
 
 def _settings_tables(tables: object, kind: str, registry: Registry, path: Path) -> dict[str, Mapping[str, object]]:

@@ -161,6 +161,22 @@ def test_a_written_site_file_is_the_default_site(railsearch: Cli, tmp_path: Path
     refused(railsearch("init", "level-crossing", "--out", path), "exists")
 
 
+def test_lists_may_stand_in_a_file_beside_the_site(railsearch: Cli, tmp_path: Path) -> None:
+    position = np.arange(0.0, 136.0, 0.25)
+    table = np.column_stack([position, 1e-4 * np.sin(2.0 * np.pi * position / 1.3)])
+    np.savetxt(tmp_path / "level.csv", table, delimiter=",", header="x [m], r [m], positive upward")
+    path = tmp_path / "site.toml"
+    columns = 'position = { file = "level.csv", column = 1 }\nheight = { file = "level.csv", column = 2 }'
+    path.write_text(f"[track.irregularity]\n{columns}\n")
+    document = json.loads(railsearch("simulate", "level-crossing", "-p", path, "--json").out)
+    assert np.allclose(document["parameters"]["irregularity"]["height"], table[:, 1], rtol=1e-12)
+    assert document["metrics"]["F_max"] > 2.0 * 1700.0, "a wavy rail shakes the wheel"
+    path.write_text(f"[track.irregularity]\n{columns.replace('= 2', '= 3')}\n")
+    refused(railsearch("evaluate", "level-crossing", "-p", path), "level.csv", "3 or more columns")
+    path.write_text(f"[track.irregularity]\n{columns.replace('level', 'absent')}\n")
+    refused(railsearch("evaluate", "level-crossing", "-p", path), "absent.csv", "No such file")
+
+
 def test_list_and_describe(railsearch: Cli) -> None:
     rows = json.loads(railsearch("list", "strategy", "--json").out)
     assert {"dycors", "lmsrs", "random", "ga", "nsga2"} <= {row["name"] for row in rows}

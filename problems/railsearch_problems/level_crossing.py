@@ -158,6 +158,10 @@ class LevelCrossingProblem(DesignProblem):
         model = host.track_model(TRACK_MODEL)
         return cls(model, sections["track"], sections["variables"], sections["worst"], objectives)
 
+    def warm_up(self) -> None:
+        """Warm the track model up."""
+        self.model.warm_up()
+
     def parameters(self, design: FloatArray) -> Any:
         """The track model's parameters with the zone of a design (8,)."""
         pads, strengthened, distances, strip = design[:3], design[3], design[4:7], design[7]

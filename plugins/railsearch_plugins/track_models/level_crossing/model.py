@@ -5,7 +5,7 @@ from typing import ClassVar
 
 from railsearch.interfaces import Quantity, Response
 from railsearch_plugins.track_models.level_crossing.checks import checked
-from railsearch_plugins.track_models.level_crossing.parameters import LevelCrossingParameters
+from railsearch_plugins.track_models.level_crossing.parameters import Geometry, LevelCrossingParameters
 
 
 class LevelCrossing:
@@ -30,6 +30,10 @@ class LevelCrossing:
         Quantity("sleeper_position", "m", "position of every sleeper"),
         Quantity("sleeper_energy", "N·m", "energy dissipated in the ballast under every sleeper over the passage"),
     )
+
+    def warm_up(self) -> None:
+        """Compile the kernels by a passage over a short crossing."""
+        self.simulate(LevelCrossingParameters(geometry=Geometry(23.0, 13.0, 6.0, 1)))
 
     def simulate(self, parameters: LevelCrossingParameters, histories: bool = False) -> Response:
         """Simulate one passage, from static equilibrium with the wheel on the left end of the track.
