@@ -167,7 +167,10 @@ def contact(nodes, x):
 
 def run(p: LevelCrossingParameters, steps: int | None = None) -> Result:
     """Simulate from static equilibrium at x = 0, all steps of the run or the first `steps` of them."""
-    coupled = couple(p)
+    return march(p, couple(p), steps)
+
+
+def march(p: LevelCrossingParameters, coupled: Coupled, steps: int | None = None) -> Result:
     free, dt, kw = coupled.free, p.passage.time_step, 1.5 / p.vehicle.hertz_constant * p.vehicle.static_load ** (1 / 3)
     M, C, K = (matrix[free][:, free] for matrix in (coupled.mass, coupled.damping, coupled.stiffness))
     constant = scipy.sparse.csc_array(K + 2 / dt * C + 4 / dt**2 * M)
