@@ -89,7 +89,7 @@ def initial_design(
     (j, d) are replaced by random unseen designs; and where k + n > d points allow it, others are replaced until the new
     and the known designs together have affine rank d + 1. If the space has fewer unseen designs than asked for, all
     of them are returned. Raises InputError for a negative number of points.
-    Source: Regis and Shoemaker 2007 (section 3), on the symmetric Latin hypercube of Ye et al. 2000.
+    Source: Regis and Shoemaker 2007, on the symmetric Latin hypercube of Ye et al. 2000.
     """
     nothing = np.empty((0, space.dimension))
     known, avoided = (nothing if designs is None else designs for designs in (known, avoided))

@@ -22,7 +22,7 @@ def augmented_chebyshev(objectives: FloatArray, aspiration: FloatArray, worst: F
 
     objectives: f (n, m); aspiration: f^r (m,); worst: f^max (m,), each above the aspiration; rho: ρ ≥ 0.
     Raises InputError for shapes that do not fit, a worst value not above its aspiration, and a negative ρ.
-    Source: Wierzbicki 1980; Miettinen and Mäkelä 2002, eq. (12).
+    Source: Wierzbicki 1980; Miettinen and Mäkelä 2002.
     """
     objectives, aspiration, worst = (np.asarray(values, dtype=float) for values in (objectives, aspiration, worst))
     _check(objectives, aspiration, worst, rho)

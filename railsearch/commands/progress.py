@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from railsearch.commands.options import messages
 from railsearch.design_problem import DesignProblem
@@ -18,12 +18,9 @@ FAILURES_SHOWN = 5
 def run_progress(problem: DesignProblem, budget: int) -> Iterator[Watch]:
     """A progress bar on standard error; gives the function to call with every evaluation."""
     columns = (
-        TextColumn("{task.description}"),
-        BarColumn(bar_width=20),
+        BarColumn(bar_width=10),
         MofNCompleteColumn(),
-        TextColumn("evaluations, best {task.fields[best]}{task.fields[failed]},"),
-        TimeElapsedColumn(),
-        TextColumn("gone,"),
+        TextColumn("best {task.fields[best]}{task.fields[failed]},"),
         TimeRemainingColumn(),
         TextColumn("left"),
     )
@@ -53,4 +50,4 @@ def best_so_far(problem: DesignProblem, members: list[Evaluation]) -> str:
         return f"front of {len(members)}"
     values = values_of(problem, members[0])
     shown = dict.fromkeys([*problem.objectives, *problem.simulated.objectives])
-    return ", ".join(f"{q.name} {values[q.name]:.4g} {q.unit}".rstrip() for q in shown)
+    return ", ".join(f"{q.name} {values[q.name]:.3g} {q.unit}".rstrip() for q in shown)

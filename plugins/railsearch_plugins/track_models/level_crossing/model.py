@@ -33,7 +33,7 @@ class LevelCrossing:
 
     def warm_up(self) -> None:
         """Compile the kernels by a passage over a short crossing."""
-        self.simulate(LevelCrossingParameters(geometry=Geometry(23.0, 13.0, 6.0, 1)))
+        self.simulate(LevelCrossingParameters(geometry=Geometry(40.0, 16.0, 6.0, 1)))
 
     def simulate(self, parameters: LevelCrossingParameters, histories: bool = False) -> Response:
         """Simulate one passage, from static equilibrium with the wheel on the left end of the track.
