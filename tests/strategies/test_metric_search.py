@@ -13,6 +13,7 @@ from railsearch.plugin_manager import load_plugins
 from railsearch.space import Space, Variable
 from railsearch.testing import MIXED, REAL, Trial, run_trial
 from railsearch_plugins.metric_search.parameters import MetricSearchParameters
+from railsearch_plugins.strategies import dycors
 from railsearch_plugins.strategies.dycors import DynamicCoordinateSearch
 from railsearch_plugins.strategies.lmsrs import LocalMetricSearch
 from railsearch_plugins.surrogates.rbf import RadialBasisFunctionInterpolant, RadialBasisFunctionParameters
@@ -108,6 +109,21 @@ def test_dycors_perturbs_all_coordinates_again_after_a_restart():
     restarted = next(e.number for e in evaluations if e.trajectory == 1 and e.origin == "perturbation")
     assert restarted == 44  # 20 initial ones, 4 failures, 20 initial ones
     assert changed_coordinates(evaluations, restarted) == 6
+
+
+def test_dycors_counts_evaluations_from_the_restart_and_the_budget_left_there(monkeypatch):
+    asked = []
+
+    def recorded(n, n_initial, budget, p_initial):
+        asked.append((n, n_initial, budget, p_initial))
+        return 1.0
+
+    monkeypatch.setattr(dycors, "perturbation_probability", recorded)
+    settings = {"failure_tolerance": 4, "halvings_before_restart": 0, "perturbed_coordinates": 3.0}
+    trial = Trial(SIX, budget=66, repeats=True, given=2)
+    run_trial(DynamicCoordinateSearch, trial, settings, objective=constant)
+    # two failures with every evaluation, so that a restart follows two evaluations after each initial design of 20
+    assert asked == [(20 + k, 20, budget, 0.5) for budget in (66, 44, 22) for k in (0, 1)]
 
 
 def test_lmsrs_perturbs_all_coordinates_always():

@@ -4,7 +4,7 @@
 |---|---|---|---|---|
 | x* | incumbent, the best design of the trajectory | (d,) | native | |
 | σ | standard deviation of a perturbation | scalar | of the range | Regis and Shoemaker 2007 |
-| p(n) | probability with which a coordinate is perturbed | scalar | - | Regis and Shoemaker 2013, eq. (4) |
+| p(n) | probability with which a coordinate is perturbed | scalar | - | Regis and Shoemaker 2013 |
 | p₀ | p at the first perturbation | scalar | - | Regis and Shoemaker 2013 |
 | n, n₀, N | evaluations of the trajectory so far, its initial ones, those it may spend in all | scalars | - | |
 """
@@ -21,7 +21,7 @@ def perturbation_probability(n: int, n_initial: int, budget: int, p_initial: flo
     """The probability p(n) = p₀ [1 − ln(n − n₀ + 1)/ln(N − n₀)] with which a coordinate is perturbed.
 
     It falls from p₀ at n = n₀ to 0 at the last evaluation n = N − 1, and stays p₀ where N − n₀ ≤ 1.
-    Source: Regis and Shoemaker 2013, eq. (4).
+    Source: Regis and Shoemaker 2013.
     """
     if budget - n_initial <= 1:
         return p_initial
@@ -40,12 +40,10 @@ def perturbed(
 
     Each coordinate is chosen with the given probability, one at least. Perturbations are fractions of the range, reflected
     at the bounds; a chosen integer moves by one step or more and is rounded.
-    Source: Regis and Shoemaker 2013, section 3.2; integers: Müller 2016, section 3.2.
+    Source: Regis and Shoemaker 2013; integers: Müller 2016.
     """
     chosen = _chosen_coordinates(count, space.dimension, probability, generator)
     steps = sigma * generator.standard_normal(chosen.shape)
-    one = 1.0 / (space.upper - space.lower)
-    steps = np.where(space.integer & (np.abs(steps) < one), np.copysign(one, steps), steps)
     moved = space.from_unit(reflected(space.to_unit(incumbent) + steps))
     moved = np.where(space.integer & (moved == incumbent), _one_step(space, incumbent, steps), moved)
     return np.where(chosen, moved, incumbent)

@@ -4,8 +4,8 @@
 |---|---|---|---|---|
 | f̂ | surrogate values of the candidates | (t,) | of f | |
 | Δ | distances to the nearest evaluated point | (t,) | unit cube | |
-| w | weight of the surrogate value | scalar | - | Regis and Shoemaker 2007, section 3.3 |
-| u | merit, the lowest is evaluated next | (t,) | - | Regis and Shoemaker 2007, section 3.3 |
+| w | weight of the surrogate value | scalar | - | Regis and Shoemaker 2007 |
+| u | merit, the lowest is evaluated next | (t,) | - | Regis and Shoemaker 2007 |
 """
 
 from collections.abc import Iterator
@@ -19,7 +19,7 @@ from railsearch.space import FloatArray
 def merit(values: FloatArray, distances: FloatArray, weight: float) -> FloatArray:
     """The merit u = w (f̂ − f̂_min)/(f̂_max − f̂_min) + (1 − w) (Δ_max − Δ)/(Δ_max − Δ_min) of candidates (t,).
 
-    A term whose range is zero contributes nothing. Source: Regis and Shoemaker 2007, section 3.3.
+    A term whose range is zero contributes nothing. Source: Regis and Shoemaker 2007.
     """
     return weight * _scaled(values) + (1.0 - weight) * _scaled(-distances)
 

@@ -13,59 +13,59 @@ class MetricSearchParameters:
     initial_size: int | None = parameter(
         None,
         meaning="designs before the search proper, the given ones included; none means max(20, 2(d + 1))",
-        source="level-crossing study, Shang et al. 2023; Regis & Shoemaker 2013, section 3",
+        source="level-crossing study, Shang et al. 2023; Regis & Shoemaker 2013",
         minimum=1,
     )
     weights: tuple[float, ...] = parameter(
         (0.3, 0.5, 0.8, 0.95),
         meaning="cycle of the weight of the surrogate value in the merit; the rest is the weight of the distance",
-        source="Regis & Shoemaker 2013, section 4.2",
+        source="Regis & Shoemaker 2013",
         minimum=0.0,
         maximum=1.0,
     )
     candidates_per_dimension: int = parameter(
-        100, meaning="candidates per variable", source="Regis & Shoemaker 2013, section 4.2", minimum=1
+        100, meaning="candidates per variable", source="Regis & Shoemaker 2013", minimum=1
     )
     maximum_candidates: int = parameter(
-        5000, meaning="upper limit of the number of candidates", source="Regis & Shoemaker 2013, section 4.2", minimum=1
+        5000, meaning="upper limit of the number of candidates", source="Regis & Shoemaker 2013", minimum=1
     )
     sigma_start: float = parameter(
         0.2,
         meaning="standard deviation of a perturbation at the start, as a fraction of the range of a variable",
-        source="Regis & Shoemaker 2013, section 4.2",
+        source="Regis & Shoemaker 2013",
         above=0.0,
         maximum=1.0,
     )
     halvings_before_restart: int = parameter(
         6,
         meaning="the search starts afresh when sigma has fallen below sigma_start / 2^halvings",
-        source="Regis & Shoemaker 2013, section 4.2",
+        source="Regis & Shoemaker 2013",
         minimum=0,
         maximum=50,
     )
     failure_tolerance: int | None = parameter(
         None,
         meaning="failures in a row after which sigma is halved; none means max(d, 5)",
-        source="Regis & Shoemaker 2013, section 4.2",
+        source="Regis & Shoemaker 2013",
         minimum=1,
     )
     success_tolerance: int = parameter(
         3,
         meaning="successes in a row after which sigma is doubled, never above its start",
-        source="Regis & Shoemaker 2013, section 4.2",
+        source="Regis & Shoemaker 2013",
         minimum=1,
     )
     improvement_threshold: float = parameter(
         1e-3,
         meaning="a success improves on the incumbent by more than this fraction of its absolute value",
-        source="Regis & Shoemaker 2007, section 4.2",
+        source="Regis & Shoemaker 2007",
         minimum=0.0,
         below=1.0,
     )
     minimum_distance: float = parameter(
         1e-3,
         meaning="nearer than this (unit cube) to an evaluated point nothing is proposed, and nothing joins the surrogate",
-        source="Regis & Shoemaker 2007, section 4.2",
+        source="Regis & Shoemaker 2007",
         minimum=1e-5,
         below=1.0,
     )
@@ -83,7 +83,7 @@ class MetricSearchParameters:
         source="Holmström 2008",
         minimum=1,
     )
-    surrogate: str = parameter("rbf", meaning="name of the registered surrogate", source="Regis & Shoemaker 2007, section 2")
+    surrogate: str = parameter("rbf", meaning="name of the registered surrogate", source="Regis & Shoemaker 2007")
     surrogate_settings: dict[str, object] | None = parameter(  # noqa: RUF009 - a field, not a value
         None, meaning="parameters of the surrogate that differ from its defaults, for instance {kernel = 'thin-plate'}"
     )
@@ -100,6 +100,6 @@ class DynamicCoordinateParameters(MetricSearchParameters):
     perturbed_coordinates: float = parameter(
         20.0,
         meaning="coordinates perturbed on average at first: p0 = min(perturbed_coordinates / d, 1)",
-        source="Regis & Shoemaker 2013, section 3.2",
+        source="Regis & Shoemaker 2013",
         above=0.0,
     )

@@ -43,13 +43,7 @@ class MetricSearch:
 
     def ask(self) -> Sequence[Proposal]:
         """Initial designs as long as there are any, then the candidates of lowest merit."""
-        if not self._initial:
-            proposals = self._proposals()
-            if proposals:
-                return proposals
-        size = self._context.batch_size
-        batch, self._initial = self._initial[:size], self._initial[size:]
-        return [Proposal(design, "initial", self._trajectory.number) for design in batch]
+        return self._next_initial() if self._initial else self._proposals()
 
     def tell(self, evaluations: Sequence[Evaluation]) -> None:
         """Take in evaluations in their order, asked for or not, failed ones and repeated ones."""
@@ -62,14 +56,14 @@ class MetricSearch:
             self._trajectory.record(evaluation.design, space.to_unit(evaluation.design), value, repeated)
 
     def _proposals(self) -> list[Proposal]:
-        """Proposals of the search proper; where it cannot go on, none and a new supply of initial designs."""
+        """Proposals of the search proper; where it cannot begin or go on, new initial designs."""
         trajectory = self._trajectory
         missing = self._initial_size() - trajectory.evaluations
         if not trajectory.searching and missing > 0:
-            return self._supply(missing)
+            return self._sample(missing)
         surrogate = trajectory.refresh(self._new_surrogate)
         if surrogate is None:
-            return self._supply(self._context.batch_size)
+            return self._sample(self._context.batch_size)
         if not trajectory.searching:
             trajectory.begin_search()
         proposals = [] if trajectory.step.exhausted else self._search(surrogate)
@@ -111,9 +105,9 @@ class MetricSearch:
         """Start afresh: earlier points stay out of the surrogate and are not proposed again."""
         left = self._context.budget - len(self._evaluated)
         self._trajectory = Trajectory(self._trajectory.number + 1, left, self._context.space.dimension, self._parameters)
-        return self._supply(self._initial_size())
+        return self._sample(self._initial_size())
 
-    def _supply(self, count: int) -> list[Proposal]:
+    def _sample(self, count: int) -> list[Proposal]:
         """Lay in initial designs, cut at the budget; if every design has been seen, a random one keeps the run going."""
         space, generator = self._context.space, self._context.initial_generator
         size = max(1, min(count, self._context.budget - len(self._evaluated)))
@@ -121,7 +115,12 @@ class MetricSearch:
         known = space.from_unit(self._trajectory.points)
         designs = initial_design(space, size, generator, known, avoided)
         self._initial = list(designs if len(designs) else random_designs(space, 1, generator))
-        return []
+        return self._next_initial()
+
+    def _next_initial(self) -> list[Proposal]:
+        size = self._context.batch_size
+        batch, self._initial = self._initial[:size], self._initial[size:]
+        return [Proposal(design, "initial", self._trajectory.number) for design in batch]
 
     def _initial_size(self) -> int:
         return min(self.minimum_budget, self._trajectory.budget)

@@ -5,7 +5,7 @@ class StepSize:
     """σ is halved after `failure_tolerance` failures in a row and doubled after `success_tolerance` successes in a row.
 
     It never exceeds its start, and is exhausted when it has been halved more than `halvings` times on balance.
-    Source: Regis and Shoemaker 2013, section 4.2.
+    Source: Regis and Shoemaker 2013.
     """
 
     def __init__(self, start: float, halvings: int, failure_tolerance: int, success_tolerance: int) -> None:

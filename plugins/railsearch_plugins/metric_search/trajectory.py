@@ -24,7 +24,7 @@ class Trajectory:
         self.budget = budget
         self.evaluations = 0
         self.initial_size: int | None = None
-        self.incumbent = np.empty(dimension)
+        self.incumbent = np.full(dimension, np.nan)
         self.best_value = np.inf
         self.surrogate: Surrogate | None = None
         self.step = StepSize(

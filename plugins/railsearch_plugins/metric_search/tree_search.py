@@ -36,9 +36,11 @@ def tree_search(surrogate: Surrogate, space: Space, pool: FloatArray, n_starts: 
 
     `pool` (t, d) holds points of the unit cube, the lowest of which in a box are the starts of its relaxation.
     """
-    relaxation = _relaxation(surrogate, pool, n_starts)
-    predict = lambda point: float(surrogate.predict(point[None, :])[0])  # noqa: E731
-    points = branch_and_bound(relaxation, predict, space, max_nodes)
+
+    def predict(point: FloatArray) -> float:
+        return float(surrogate.predict(point[None, :])[0])
+
+    points = branch_and_bound(_relaxation(surrogate, pool, n_starts), predict, space, max_nodes)
     return np.array(points).reshape(-1, space.dimension)
 
 
@@ -59,8 +61,6 @@ def branch_and_bound(
             break
         _, _, lower, upper, start = heapq.heappop(queue)
         point, bound = relaxation(lower, upper, start)
-        if bound >= best:
-            continue
         whole = space.to_unit(space.from_unit(point))
         if (value := predict(whole)) < best:
             best = value
@@ -97,8 +97,8 @@ def _relaxation(surrogate: Surrogate, pool: FloatArray, n_starts: int) -> Relaxa
 
     def relax(lower: FloatArray, upper: FloatArray, start: FloatArray | None) -> tuple[FloatArray, float]:
         inside = ranked[((ranked >= lower) & (ranked <= upper)).all(axis=1)]
-        starts = [np.clip(start, lower, upper)] if start is not None else []
-        starts += list(inside[: max(n_starts - len(starts), 0)]) or [0.5 * (lower + upper)] * (not starts)
+        starts = [] if start is None else [np.clip(start, lower, upper)]
+        starts += list(inside[: n_starts - len(starts)])
         bounds = np.column_stack([lower, upper])
         results = [
             minimize(scaled, x, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxiter": ITERATIONS}) for x in starts

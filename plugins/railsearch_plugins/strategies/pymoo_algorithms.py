@@ -14,7 +14,6 @@ from railsearch.space import FloatArray, Space
 IDLE_GENERATIONS = 20
 """Generations in a row without a single unseen design after which a random unseen one is proposed."""
 
-
 Build = Callable[["GeneticParameters", int, FloatArray, Any], Any]
 """Makes a pymoo algorithm from its parameters, population size, first population (k, d) and rounding repair."""
 

@@ -44,13 +44,13 @@ class RadialBasisFunctionParameters:
     kernel: str = parameter(
         "cubic",
         meaning="kernel; cubic and thin-plate carry a linear tail, linear a constant one",
-        source="Regis & Shoemaker 2007, section 2",
+        source="Regis & Shoemaker 2007",
         choices=("cubic", "thin-plate", "linear"),
     )
     cap_above_median: bool = parameter(
         False,
         meaning="replace values above the median by the median before the fit",
-        source="Björkman & Holmström 2000, section 3",
+        source="Björkman & Holmström 2000",
     )
 
 
