@@ -16,7 +16,7 @@ def random_band(seed, size, widths):
         for j in range(max(0, i - widths[i % len(widths)]), i):
             dense[i, j] = dense[j, i] = generator.uniform(-1.0, 1.0)
     dense[np.diag_indices(size)] = np.abs(dense).sum(axis=1) + generator.uniform(0.1, 1.0, size)
-    band = np.zeros((max([*widths, banded.NARROW]) + 1, size))
+    band = np.zeros((max([*widths, banded.WIDE]) + 1, size))
     for k in range(min(band.shape[0], size)):
         band[k, k:] = np.diag(dense, -k)
     return dense, band
@@ -25,8 +25,8 @@ def random_band(seed, size, widths):
 def solve(band, load):
     lower, (rows, columns) = banded.factorise(band), banded.block_widths(band)
     solution = load.copy()
-    banded.forward(lower, rows, solution)
-    banded.backward(lower, columns, solution)
+    banded.forward(lower, banded.runs(rows, load.size), solution)
+    banded.backward(lower, banded.runs(columns, load.size), solution)
     return solution
 
 

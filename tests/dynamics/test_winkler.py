@@ -37,10 +37,10 @@ def deflection_under_static_load(count, position):
     load = np.zeros(gram.shape[1])
     load[elements[element[0]]] = LOAD * row[0]
     matrix = bending + FOUNDATION * gram
-    banded_widths = banded.block_widths(matrix)
+    rows, columns = (banded.runs(widths, load.size) for widths in banded.block_widths(matrix))
     lower = banded.factorise(matrix)
-    banded.forward(lower, banded_widths[0], load)
-    banded.backward(lower, banded_widths[1], load)
+    banded.forward(lower, rows, load)
+    banded.backward(lower, columns, load)
     return load[elements[element[0]]] @ row[0]
 
 

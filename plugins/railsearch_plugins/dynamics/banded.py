@@ -8,7 +8,8 @@ L, D    A = L D Lᵀ, L[k, i] below the unit diagonal            (b + 1, n)  -
 h       most sub-diagonals a block of BLOCK rows needs         (blocks,)   -
 
 The envelope of a row is kept by LDLᵀ (George & Liu 1981, sec. 4.2), so the widths of A are those of L. Rows with at
-most NARROW sub-diagonals (a beam with single masses under it) are substituted with the last results held in registers.
+most NARROW sub-diagonals (a beam with single masses under it) or WIDE ones (two beams, one over a joint of the other) are
+substituted with the last results held in registers: what limits a substitution is the wait for the row before.
 """
 
 from collections.abc import Iterable
@@ -18,18 +19,19 @@ from numba import njit
 
 from railsearch_plugins.dynamics.beam import FloatArray, IntArray
 
-BLOCK = 32
+BLOCK = 64
 NARROW = 4
+WIDE = 9
 
 Elements = tuple[IntArray, FloatArray]
 
 
 def assemble(elements: Iterable[Elements], size: int, half_bandwidth: int) -> FloatArray:
-    """Sum element matrices into a symmetric banded matrix (b + 1, size), b = max(half_bandwidth, NARROW).
+    """Sum element matrices into a symmetric banded matrix (b + 1, size), b = max(half_bandwidth, WIDE).
 
     elements: pairs of unknowns (m, p), −1 for one that is held, and matrices (m, p, p).
     """
-    band = np.zeros((max(half_bandwidth, NARROW) + 1, size))
+    band = np.zeros((max(half_bandwidth, WIDE) + 1, size))
     for unknowns, matrices in elements:
         rows = np.broadcast_to(unknowns[:, :, None], matrices.shape)
         columns = np.broadcast_to(unknowns[:, None, :], matrices.shape)
@@ -60,6 +62,18 @@ def block_widths(band: FloatArray) -> tuple[IntArray, IntArray]:
         columns[: size - k][inside] = k
     starts = np.arange(0, size, BLOCK)
     return np.maximum.reduceat(rows, starts), np.maximum.reduceat(columns, starts)
+
+
+def runs(widths: IntArray, size: int) -> IntArray:
+    """Rows from, to and width (r, 3) of the longest stretches of blocks that are substituted alike.
+
+    A block at either end is a run of its own, since there the rows before it are missing.
+    """
+    alike = np.where(widths <= NARROW, NARROW, np.where(widths <= WIDE, WIDE, widths))
+    cuts = np.flatnonzero(np.diff(alike)) + 1
+    first = np.unique(np.concatenate([[0, min(1, alike.size - 1), alike.size - 1], cuts]))
+    stops = np.append(first[1:] * BLOCK, size)
+    return np.stack([first * BLOCK, stops, alike[first]], axis=1)
 
 
 def diagonal_ranges(band: FloatArray) -> tuple[IntArray, IntArray]:
@@ -94,57 +108,86 @@ def factorise(band):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, fastmath={"contract"})
-def forward_block(lower, width, start, stop, y):  # type: ignore[no-untyped-def]
-    """L y = b for rows start…stop; y holds b on entry and the rows before `start` are done."""
-    if width > NARROW:
-        for i in range(start, stop):
-            value = y[i]
-            for k in range(min(width, i), 0, -1):
-                value -= lower[k, i] * y[i - k]
-            y[i] = value
-        return
-    y1 = y[start - 1] if start > 0 else 0.0
-    y2 = y[start - 2] if start > 1 else 0.0
-    y3 = y[start - 3] if start > 2 else 0.0
-    y4 = y[start - 4] if start > 3 else 0.0
-    for i in range(start, stop):
-        value = y[i] - lower[4, i] * y4 - lower[3, i] * y3 - lower[2, i] * y2 - lower[1, i] * y1
+def _narrow_sweep(l1, l2, l3, l4, y1, y2, y3, y4, y):  # type: ignore[no-untyped-def]
+    """y[i] −= Σ l_k[i] y[i − k] for NARROW diagonals; y1…y4 are the results before the first row."""
+    for i in range(y.size):
+        value = y[i] - l4[i] * y4 - l3[i] * y3 - l2[i] * y2 - l1[i] * y1
         y4, y3, y2, y1 = y3, y2, y1, value
         y[i] = value
 
 
 @njit(cache=True, fastmath={"contract"})
+def _wide_sweep(l1, l2, l3, l4, l5, l6, l7, l8, l9, y1, y2, y3, y4, y5, y6, y7, y8, y9, y):  # type: ignore[no-untyped-def]
+    """As `_narrow_sweep` for WIDE diagonals."""
+    for i in range(y.size):
+        value = y[i] - l9[i] * y9 - l8[i] * y8 - l7[i] * y7 - l6[i] * y6 - l5[i] * y5
+        value = value - l4[i] * y4 - l3[i] * y3 - l2[i] * y2 - l1[i] * y1
+        y9, y8, y7, y6, y5, y4, y3, y2, y1 = y8, y7, y6, y5, y4, y3, y2, y1, value
+        y[i] = value
+
+
+@njit(cache=True, fastmath={"contract"})
+def forward_block(lower, width, start, stop, y):  # type: ignore[no-untyped-def]
+    """L y = b for rows start…stop; y holds b on entry and the rows before `start` are done."""
+    here = lower[:, start:stop]
+    if width <= NARROW <= start:
+        last = y[start - NARROW : start]
+        _narrow_sweep(here[1], here[2], here[3], here[4], last[3], last[2], last[1], last[0], y[start:stop])
+    elif width <= WIDE <= start:
+        last = y[start - WIDE : start]
+        _wide_sweep(
+            here[1], here[2], here[3], here[4], here[5], here[6], here[7], here[8], here[9],
+            last[8], last[7], last[6], last[5], last[4], last[3], last[2], last[1], last[0], y[start:stop],
+        )  # fmt: skip
+    else:
+        for i in range(start, stop):
+            for k in range(min(width, i), 0, -1):
+                y[i] -= lower[k, i] * y[i - k]
+
+
+@njit(cache=True, fastmath={"contract"})
+def _mirrored(lower, k, start, stop):  # type: ignore[no-untyped-def]
+    """What multiplies x[i + k] in row i of Lᵀ, for the rows stop…start."""
+    return lower[k, start + k : stop + k][::-1]
+
+
+@njit(cache=True, fastmath={"contract"})
 def backward_block(lower, width, start, stop, x):  # type: ignore[no-untyped-def]
-    """Lᵀ x = D⁻¹ y for rows stop…start; x holds y on entry and the rows from `stop` on are done."""
-    size = x.size
-    if width > NARROW or stop + NARROW > size:
+    """Lᵀ x = b for rows stop…start; x holds b on entry and the rows from `stop` on are done."""
+    if width <= NARROW <= x.size - stop:
+        last = x[stop : stop + NARROW]
+        _narrow_sweep(
+            _mirrored(lower, 1, start, stop), _mirrored(lower, 2, start, stop), _mirrored(lower, 3, start, stop),
+            _mirrored(lower, 4, start, stop), last[0], last[1], last[2], last[3], x[start:stop][::-1],
+        )  # fmt: skip
+    elif width <= WIDE <= x.size - stop:
+        last = x[stop : stop + WIDE]
+        _wide_sweep(
+            _mirrored(lower, 1, start, stop), _mirrored(lower, 2, start, stop), _mirrored(lower, 3, start, stop),
+            _mirrored(lower, 4, start, stop), _mirrored(lower, 5, start, stop), _mirrored(lower, 6, start, stop),
+            _mirrored(lower, 7, start, stop), _mirrored(lower, 8, start, stop), _mirrored(lower, 9, start, stop),
+            last[0], last[1], last[2], last[3], last[4], last[5], last[6], last[7], last[8], x[start:stop][::-1],
+        )  # fmt: skip
+    else:
         for i in range(stop - 1, start - 1, -1):
-            value = x[i] * lower[0, i]
-            for k in range(min(width, size - 1 - i), 0, -1):
-                value -= lower[k, i + k] * x[i + k]
-            x[i] = value
-        return
-    x1, x2, x3, x4 = x[stop], x[stop + 1], x[stop + 2], x[stop + 3]
-    for i in range(stop - 1, start - 1, -1):
-        value = (
-            x[i] * lower[0, i] - lower[4, i + 4] * x4 - lower[3, i + 3] * x3 - lower[2, i + 2] * x2 - lower[1, i + 1] * x1
-        )
-        x4, x3, x2, x1 = x3, x2, x1, value
-        x[i] = value
+            for k in range(min(width, x.size - 1 - i), 0, -1):
+                x[i] -= lower[k, i + k] * x[i + k]
 
 
 @njit(cache=True, fastmath={"contract"})
-def forward(lower, row_widths, y):  # type: ignore[no-untyped-def]
-    """L y = b in place."""
-    for block in range(row_widths.size):
-        forward_block(lower, row_widths[block], block * BLOCK, min((block + 1) * BLOCK, y.size), y)
+def forward(lower, runs, y):  # type: ignore[no-untyped-def]
+    """L y = b in place, over the `runs` of its rows."""
+    for r in range(runs.shape[0]):
+        forward_block(lower, runs[r, 2], runs[r, 0], runs[r, 1], y)
 
 
 @njit(cache=True, fastmath={"contract"})
-def backward(lower, column_widths, x):  # type: ignore[no-untyped-def]
-    """Lᵀ x = D⁻¹ y in place."""
-    for block in range(column_widths.size - 1, -1, -1):
-        backward_block(lower, column_widths[block], block * BLOCK, min((block + 1) * BLOCK, x.size), x)
+def backward(lower, runs, x):  # type: ignore[no-untyped-def]
+    """Lᵀ x = D⁻¹ y in place, over the `runs` of its columns."""
+    for i in range(x.size):
+        x[i] *= lower[0, i]
+    for r in range(runs.shape[0] - 1, -1, -1):
+        backward_block(lower, runs[r, 2], runs[r, 0], runs[r, 1], x)
 
 
 @njit(cache=True, fastmath={"contract"})

@@ -34,6 +34,7 @@ from railsearch_plugins.dynamics.banded import (
     factorise,
     forward,
     forward_block,
+    runs,
 )
 from railsearch_plugins.dynamics.beam import FloatArray, IntArray
 
@@ -90,12 +91,14 @@ def pass_over(track: Track, vehicle: Vehicle, contact: Contact, time_step: float
     scaled_mass = (2.0 / time_step) * track.mass
     newmark = (2.0 / time_step) * (scaled_mass + track.damping) + track.stiffness
     row_widths, column_widths = block_widths(newmark)
+    size = newmark.shape[1]
     compliance = np.linalg.inv((2.0 / time_step) * ((2.0 / time_step) * vehicle.mass + vehicle.damping) + vehicle.stiffness)
     return Passage(
         *_integrate(
             factorise(newmark),
             row_widths,
-            column_widths,
+            runs(row_widths, size),
+            runs(column_widths, size),
             scaled_mass,
             -track.stiffness,
             *diagonal_ranges(newmark),
@@ -179,7 +182,7 @@ def _contact_force(lower, q, y, start, stop, gap, wheel_compliance, stiffness): 
 
 @njit(cache=True, fastmath={"contract"})
 def _integrate(  # type: ignore[no-untyped-def]
-    lower, row_widths, column_widths, scaled_mass, minus_stiffness, starts, stops, supports, compliance, vehicle_scaled_mass,
+    lower, row_widths, row_runs, column_runs, scaled_mass, minus_stiffness, starts, stops, supports, compliance, vehicle_scaled_mass,
     vehicle_stiffness, static_load, contact_stiffness, unknowns, rows, irregularity, time_step, states,
 ):  # fmt: skip
     steps, size, parts = irregularity.size, lower.shape[1], compliance.shape[0]
@@ -194,7 +197,7 @@ def _integrate(  # type: ignore[no-untyped-def]
     wheel[0] = z[0, -1]
     for n in range(1, steps):
         _known_load(scaled_mass, minus_stiffness, starts, stops, u, v, unknowns[n - 1], rows[n - 1], force[n - 1], y)
-        forward(lower, row_widths, y)
+        forward(lower, row_runs, y)
         start, stop = _contact_column(lower, row_widths, unknowns[n], rows[n], q)
         load = vehicle_scaled_mass @ zv[n - 1] - vehicle_stiffness @ z[n - 1]
         load[-1] += static_load - 0.5 * force[n - 1]
@@ -205,7 +208,7 @@ def _integrate(  # type: ignore[no-untyped-def]
         z[n] = z[n - 1] + 2.0 * half
         zv[n] = rate * half - zv[n - 1]
         y[start:stop] += 0.5 * force[n] * q[start:stop]
-        backward(lower, column_widths, y)
+        backward(lower, column_runs, y)
         _advance(y, rate, u, v)
         rail[n], wheel[n] = _seen(unknowns[n], rows[n], u), z[n, -1]
         share = 0.5 * time_step if n == steps - 1 else time_step
