@@ -12,7 +12,7 @@ class MetricSearchParameters:
 
     initial_size: int | None = parameter(
         None,
-        meaning="designs before the search proper, the given ones included; none means max(20, 2(d + 1))",
+        meaning="designs before the search proper, the given ones included; if not given, max(20, 2(d + 1))",
         source="level-crossing study, Shang et al. 2023; Regis & Shoemaker 2013",
         minimum=1,
     )
@@ -45,7 +45,7 @@ class MetricSearchParameters:
     )
     failure_tolerance: int | None = parameter(
         None,
-        meaning="failures in a row after which sigma is halved; none means max(d, 5)",
+        meaning="failures in a row after which sigma is halved; if not given, max(d, 5)",
         source="Regis & Shoemaker 2013",
         minimum=1,
     )
@@ -65,7 +65,7 @@ class MetricSearchParameters:
     minimum_distance: float = parameter(
         1e-3,
         meaning="nearer than this (unit cube) to an evaluated point nothing is proposed, and nothing joins the surrogate",
-        source="Regis & Shoemaker 2007",
+        source="own choice: within it the interpolant stays well determined",
         minimum=1e-5,
         below=1.0,
     )
@@ -75,12 +75,12 @@ class MetricSearchParameters:
         source="Müller 2016; Holmström 2008",
     )
     tree_search_nodes: int = parameter(
-        200, meaning="upper limit of the relaxations solved in one tree search", source="Holmström 2008", minimum=1
+        200, meaning="upper limit of the relaxations solved in one tree search", source="own choice", minimum=1
     )
     tree_search_starts: int = parameter(
         2,
         meaning="points from which each relaxation is minimised, the lowest known in its box",
-        source="Holmström 2008",
+        source="own choice: a third costs time and gained nothing on analytic functions",
         minimum=1,
     )
     surrogate: str = parameter("rbf", meaning="name of the registered surrogate", source="Regis & Shoemaker 2007")

@@ -24,8 +24,8 @@ class GeneticParameters:
 
     population_size: int | None = parameter(
         None,
-        meaning="designs per generation; none means a tenth of the budget, but 10 to 100",
-        source="pymoo's 100 leaves two generations of a budget of 200",
+        meaning="designs per generation; if not given, a tenth of the budget, but 10 to 100",
+        source="own choice: pymoo's 100 leave two generations of a budget of 200",
         minimum=2,
     )
     crossover_probability: float = parameter(
