@@ -5,6 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from railsearch.errors import InputError, SurrogateError
 from railsearch.interfaces import Evaluation
@@ -103,8 +105,8 @@ def test_dycors_perturbs_all_coordinates_at_first_and_one_at_the_end_of_the_budg
 
 
 def test_dycors_perturbs_all_coordinates_again_after_a_restart():
-    settings = {"failure_tolerance": 4, "halvings_before_restart": 0}
-    evaluations = run_trial(DynamicCoordinateSearch, Trial(SIX, budget=60), settings, objective=constant)
+    changes = {"failure_tolerance": 4, "halvings_before_restart": 0}
+    evaluations = run_trial(DynamicCoordinateSearch, Trial(SIX, budget=60), changes, objective=constant)
     assert changed_coordinates(evaluations, 20) == 6
     restarted = next(e.number for e in evaluations if e.trajectory == 1 and e.origin == "perturbation")
     assert restarted == 44  # 20 initial ones, 4 failures, 20 initial ones
@@ -119,9 +121,9 @@ def test_dycors_counts_evaluations_from_the_restart_and_the_budget_left_there(mo
         return 1.0
 
     monkeypatch.setattr(dycors, "perturbation_probability", recorded)
-    settings = {"failure_tolerance": 4, "halvings_before_restart": 0, "perturbed_coordinates": 3.0}
+    changes = {"failure_tolerance": 4, "halvings_before_restart": 0, "perturbed_coordinates": 3.0}
     trial = Trial(SIX, budget=66, repeats=True, given=2)
-    run_trial(DynamicCoordinateSearch, trial, settings, objective=constant)
+    run_trial(DynamicCoordinateSearch, trial, changes, objective=constant)
     # two failures with every evaluation, so that a restart follows two evaluations after each initial design of 20
     assert asked == [(20 + k, 20, budget, 0.5) for budget in (66, 44, 22) for k in (0, 1)]
 
@@ -156,6 +158,27 @@ def test_a_space_of_integers_is_walked_through_without_repetition_to_its_last_de
     for batch_size in (1, 4):
         evaluations = run_trial(plugin, Trial(space, budget=60, batch_size=batch_size), {"initial_size": 8})
         assert len({space.key(evaluation.design) for evaluation in evaluations}) == 60
+
+
+@st.composite
+def spaces(draw):
+    """Spaces of one to five variables, the integers with two to five values."""
+    kinds = draw(st.lists(st.integers(0, 4), min_size=1, max_size=5))
+    return Space(
+        tuple(
+            Variable(f"x{k}", -1.0, -1.0 + steps, integer=True) if steps else Variable(f"x{k}", -3.0, 7.5)
+            for k, steps in enumerate(kinds)
+        )
+    )
+
+
+@settings(deadline=None, max_examples=15)
+@given(spaces(), st.integers(1, 5), st.integers(0, 1), st.sampled_from([2, 3, 1000]), st.integers(0, 2**31))
+def test_no_design_is_proposed_twice_in_any_space(space, batch_size, n_given, failing, seed):
+    budget = int(min(35, space.size))
+    trial = Trial(space, 1, 0, budget, batch_size, seed, lambda number: number % failing == 1)
+    evaluations = run_trial(DynamicCoordinateSearch, replace(trial, given=n_given), {"initial_size": 6})
+    assert len({space.key(evaluation.design) for evaluation in evaluations}) == budget
 
 
 @BOTH
@@ -278,8 +301,8 @@ def test_surrogate_and_its_settings_are_handed_through():
         asked.append((name, dimension, settings))
         return registry.surrogate(name, dimension, settings)
 
-    settings = {"surrogate_settings": {"kernel": "linear"}}
-    run_trial(LocalMetricSearch, Trial(REAL, budget=25), settings, surrogate)
+    changes = {"surrogate_settings": {"kernel": "linear"}}
+    run_trial(LocalMetricSearch, Trial(REAL, budget=25), changes, surrogate)
     assert asked == [("rbf", 3, {"kernel": "linear"})]
 
 
