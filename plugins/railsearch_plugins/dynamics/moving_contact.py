@@ -82,39 +82,60 @@ class Passage(NamedTuple):
     track_velocity: FloatArray
 
 
+class TrackStep(NamedTuple):
+    """What a step needs of the track: factor of A, its runs, (2/dt) M, −K and the ranges of their diagonals."""
+
+    lower: FloatArray
+    row_widths: IntArray
+    row_runs: IntArray
+    column_runs: IntArray
+    scaled_mass: FloatArray
+    minus_stiffness: FloatArray
+    starts: IntArray
+    stops: IntArray
+
+
+class VehicleStep(NamedTuple):
+    """What a step needs of the vehicle: A_v⁻¹, (2/dt) M_v, K_v (p, p), static load and contact stiffness."""
+
+    compliance: FloatArray
+    scaled_mass: FloatArray
+    stiffness: FloatArray
+    static_load: float
+    contact_stiffness: float
+
+
 def pass_over(track: Track, vehicle: Vehicle, contact: Contact, time_step: float, states: bool = False) -> Passage:
     """Simulate a passage that starts from rest, the wheel standing on a point of the track that cannot move.
 
     time_step: dt in s; states: keep u and v of the whole track at every step, (t, n) each.
     The supports' ∫ v² dt is taken by the trapezoidal rule over all steps, the first state included.
+    A track that is not stable, or a solution that diverges, gives histories that are not finite.
     """
+    steps = _prepare_track(track, time_step), _prepare_vehicle(vehicle, time_step)
+    return Passage(*_integrate(*steps, contact, track.supports, time_step, states))
+
+
+def _prepare_track(track: Track, time_step: float) -> TrackStep:
     scaled_mass = (2.0 / time_step) * track.mass
     newmark = (2.0 / time_step) * (scaled_mass + track.damping) + track.stiffness
-    row_widths, column_widths = block_widths(newmark)
+    rows, columns = block_widths(newmark)
     size = newmark.shape[1]
-    compliance = np.linalg.inv((2.0 / time_step) * ((2.0 / time_step) * vehicle.mass + vehicle.damping) + vehicle.stiffness)
-    return Passage(
-        *_integrate(
-            factorise(newmark),
-            row_widths,
-            runs(row_widths, size),
-            runs(column_widths, size),
-            scaled_mass,
-            -track.stiffness,
-            *diagonal_ranges(newmark),
-            track.supports,
-            compliance,
-            (2.0 / time_step) * vehicle.mass,
-            vehicle.stiffness,
-            vehicle.static_load,
-            vehicle.contact_stiffness,
-            contact.unknowns,
-            contact.rows,
-            contact.irregularity,
-            time_step,
-            states,
-        )
+    return TrackStep(
+        factorise(newmark),
+        rows,
+        runs(rows, size),
+        runs(columns, size),
+        scaled_mass,
+        -track.stiffness,
+        *diagonal_ranges(newmark),
     )
+
+
+def _prepare_vehicle(vehicle: Vehicle, time_step: float) -> VehicleStep:
+    scaled_mass = (2.0 / time_step) * vehicle.mass
+    compliance = np.linalg.inv((2.0 / time_step) * (scaled_mass + vehicle.damping) + vehicle.stiffness)
+    return VehicleStep(np.asarray(compliance), scaled_mass, vehicle.stiffness, vehicle.static_load, vehicle.contact_stiffness)
 
 
 @njit(cache=True, fastmath={"contract"})
@@ -152,13 +173,35 @@ def _seen(unknowns, row, u):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, fastmath={"contract"})
-def _known_load(scaled_mass, minus_stiffness, starts, stops, u, v, unknowns, row, force, y):  # type: ignore[no-untyped-def]
+def _known_load(track, u, v, unknowns, row, force, y):  # type: ignore[no-untyped-def]
     """y = (2/dt) M v_n − K u_n + f_n/2."""
     y[:] = 0.0
-    add_products(scaled_mass, minus_stiffness, starts, stops, v, u, y)
+    add_products(track.scaled_mass, track.minus_stiffness, track.starts, track.stops, v, u, y)
     for k in range(unknowns.size):
         if unknowns[k] >= 0:
             y[unknowns[k]] += 0.5 * force * row[k]
+
+
+@njit(cache=True, fastmath={"contract"})
+def _vehicle_without_force(vehicle, z, zv, force, half):  # type: ignore[no-untyped-def]
+    """half = A_v⁻¹ ((2/dt) M_v ż_n − K_v z_n + e_w (P − F_n/2)): half the increment with F_{n+1} = 0."""
+    parts = half.size
+    half[:] = 0.0
+    for i in range(parts):
+        load = vehicle.static_load - 0.5 * force if i == parts - 1 else 0.0
+        for j in range(parts):
+            load += vehicle.scaled_mass[i, j] * zv[j] - vehicle.stiffness[i, j] * z[j]
+        for j in range(parts):
+            half[j] += vehicle.compliance[j, i] * load
+
+
+@njit(cache=True, fastmath={"contract"})
+def _vehicle_with_force(vehicle, force, rate, half, z, zv, new_z, new_zv):  # type: ignore[no-untyped-def]
+    """Add −A_v⁻¹ e_w F_{n+1}/2 to half the increment, and advance as the track."""
+    for j in range(half.size):
+        w = half[j] - 0.5 * force * vehicle.compliance[j, -1]
+        new_z[j] = z[j] + 2.0 * w
+        new_zv[j] = rate * w - zv[j]
 
 
 @njit(cache=True, fastmath={"contract"})
@@ -167,6 +210,13 @@ def _advance(w, rate, u, v):  # type: ignore[no-untyped-def]
     for i in range(w.size):
         u[i] += 2.0 * w[i]
         v[i] = rate * w[i] - v[i]
+
+
+@njit(cache=True, fastmath={"contract"})
+def _add_squares(share, v, supports, integrals):  # type: ignore[no-untyped-def]
+    """One term of the trapezoidal rule for ∫ v² dt."""
+    for s in range(supports.size):
+        integrals[s] += share * v[supports[s]] ** 2
 
 
 @njit(cache=True, fastmath={"contract"})
@@ -181,39 +231,31 @@ def _contact_force(lower, q, y, start, stop, gap, wheel_compliance, stiffness): 
 
 
 @njit(cache=True, fastmath={"contract"})
-def _integrate(  # type: ignore[no-untyped-def]
-    lower, row_widths, row_runs, column_runs, scaled_mass, minus_stiffness, starts, stops, supports, compliance, vehicle_scaled_mass,
-    vehicle_stiffness, static_load, contact_stiffness, unknowns, rows, irregularity, time_step, states,
-):  # fmt: skip
-    steps, size, parts = irregularity.size, lower.shape[1], compliance.shape[0]
-    force, rail, wheel = np.empty(steps), np.zeros(steps), np.empty(steps)
-    z, zv = np.empty((steps, parts)), np.zeros((steps, parts))
+def _integrate(track, vehicle, contact, supports, time_step, states):  # type: ignore[no-untyped-def]
+    """All steps of a passage; returns the fields of `Passage`."""
+    steps, size, parts = contact.irregularity.size, track.lower.shape[1], vehicle.compliance.shape[0]
+    unknowns, rows, rate = contact.unknowns, contact.rows, 4.0 / time_step
+    force, rail = np.empty(steps), np.zeros(steps)
+    z, zv, half = np.empty((steps, parts)), np.zeros((steps, parts)), np.empty(parts)
+    u, v, y, q = np.zeros(size), np.zeros(size), np.empty(size), np.zeros(size)
     integrals = np.zeros(supports.size)
     all_u, all_v = np.zeros((steps if states else 0, size)), np.zeros((steps if states else 0, size))
-    u, v, y, q = np.zeros(size), np.zeros(size), np.empty(size), np.zeros(size)
-    rate = 4.0 / time_step
-    force[0] = static_load
-    z[0] = static_load / contact_stiffness + irregularity[0]
-    wheel[0] = z[0, -1]
+    force[0] = vehicle.static_load
+    z[0] = vehicle.static_load / vehicle.contact_stiffness + contact.irregularity[0]
     for n in range(1, steps):
-        _known_load(scaled_mass, minus_stiffness, starts, stops, u, v, unknowns[n - 1], rows[n - 1], force[n - 1], y)
-        forward(lower, row_runs, y)
-        start, stop = _contact_column(lower, row_widths, unknowns[n], rows[n], q)
-        load = vehicle_scaled_mass @ zv[n - 1] - vehicle_stiffness @ z[n - 1]
-        load[-1] += static_load - 0.5 * force[n - 1]
-        half = compliance @ load
-        gap = z[n - 1, -1] + 2.0 * half[-1] - _seen(unknowns[n], rows[n], u) - irregularity[n]
-        force[n] = _contact_force(lower, q, y, start, stop, gap, compliance[-1, -1], contact_stiffness)
-        half -= 0.5 * force[n] * compliance[:, -1]
-        z[n] = z[n - 1] + 2.0 * half
-        zv[n] = rate * half - zv[n - 1]
-        y[start:stop] += 0.5 * force[n] * q[start:stop]
-        backward(lower, column_runs, y)
+        _known_load(track, u, v, unknowns[n - 1], rows[n - 1], force[n - 1], y)
+        forward(track.lower, track.row_runs, y)
+        start, stop = _contact_column(track.lower, track.row_widths, unknowns[n], rows[n], q)
+        _vehicle_without_force(vehicle, z[n - 1], zv[n - 1], force[n - 1], half)
+        gap = z[n - 1, -1] + 2.0 * half[-1] - _seen(unknowns[n], rows[n], u) - contact.irregularity[n]
+        force[n] = _contact_force(track.lower, q, y, start, stop, gap, vehicle.compliance[-1, -1], vehicle.contact_stiffness)
+        _vehicle_with_force(vehicle, force[n], rate, half, z[n - 1], zv[n - 1], z[n], zv[n])
+        for i in range(start, stop):
+            y[i] += 0.5 * force[n] * q[i]
+        backward(track.lower, track.column_runs, y)
         _advance(y, rate, u, v)
-        rail[n], wheel[n] = _seen(unknowns[n], rows[n], u), z[n, -1]
-        share = 0.5 * time_step if n == steps - 1 else time_step
-        for s in range(supports.size):
-            integrals[s] += share * v[supports[s]] ** 2
+        rail[n] = _seen(unknowns[n], rows[n], u)
+        _add_squares(0.5 * time_step if n == steps - 1 else time_step, v, supports, integrals)
         if states:
             all_u[n], all_v[n] = u, v
-    return force, rail, wheel, z, zv, integrals, all_u, all_v
+    return force, rail, z[:, -1].copy(), z, zv, integrals, all_u, all_v
