@@ -5,6 +5,7 @@ import itertools
 import numpy as np
 import pytest
 from scipy.optimize import minimize
+from threadpoolctl import threadpool_limits
 
 from railsearch.space import Space, Variable
 from railsearch_plugins.metric_search.tree_search import branch_and_bound, tree_search
@@ -12,6 +13,13 @@ from railsearch_plugins.surrogates.rbf import RadialBasisFunctionInterpolant, Ra
 
 INTEGERS = Space(tuple(Variable(f"k{k}", -2.0, upper, integer=True) for k, upper in enumerate((3.0, 4.0, -1.0, 5.0))))
 HALF = Space((*INTEGERS.variables[:2], Variable("x", 0.0, 10.0), Variable("y", -1.0, 1.0)))
+
+
+@pytest.fixture(autouse=True, scope="module")
+def one_core():
+    """As in a run: threads cost small matrices more than they save."""
+    with threadpool_limits(1):
+        yield
 
 
 def every_design(space):

@@ -1,15 +1,5 @@
-"""Conformance suite: what every registered strategy, surrogate and scalariser has to fulfil, built-in or external.
+"""What a strategy has to fulfil."""
 
-Each check takes the registered class, runs it on small problems and raises an AssertionError that says in plain words
-what is wrong. In the tests of a plugin package:
-
-    from railsearch.testing import check_strategy
-
-    def test_my_strategy():
-        check_strategy(MyStrategy)
-"""
-
-import copy
 import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, is_dataclass, replace
@@ -19,13 +9,13 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from railsearch.errors import RailsearchError, SurrogateError
-from railsearch.interfaces import Capabilities, Evaluation, Proposal, Quantity, SearchContext, Strategy, Surrogate
+from railsearch.interfaces import Capabilities, Evaluation, Proposal, SearchContext, Strategy, Surrogate
 from railsearch.parameters import make_parameters
 from railsearch.plugin_manager import load_plugins
 from railsearch.sampling import random_designs
 from railsearch.seeding import run_generators
 from railsearch.space import FloatArray, Space, Variable
+from railsearch.testing.requirement import require
 
 MakeSurrogate = Callable[[str, int, Mapping[str, object]], Surrogate]
 
@@ -88,59 +78,6 @@ def run_trial(
         return _run_trial(strategy, trial, objective or partial(_bowls, trial))
 
 
-def check_surrogate(plugin: Any, settings: Mapping[str, object] | None = None, interpolates: bool = True) -> None:
-    """Check a surrogate class, made with `settings` of its parameters, on smooth functions of one to four variables.
-
-    Shapes; many points predicted as one by one; gradient against central differences (1e-5 of the spread of the values);
-    `add` equals `fit` (1e-6); if it interpolates, every value is met (1e-6); inputs are not altered; too few points and
-    values that are not finite are errors of railsearch. Raises AssertionError with an explanation.
-    """
-    parameters = make_parameters(plugin.Parameters, dict(settings or {}), "surrogate")
-    for dimension in (1, 2, 4):
-        points, values = _smooth_data(dimension)
-        queries = np.random.default_rng(7).random((15, dimension))
-        model = plugin(dimension, parameters)
-        _fit_unaltered(model, points, values)
-        _check_predictions(model, queries, float(np.ptp(values)))
-        if interpolates:
-            error = np.max(np.abs(model.predict(points) - values)) / np.ptp(values)
-            _require(error < 1e-6, f"the surrogate misses values it was fitted to by {error:.1e} of their spread")
-        grown = plugin(dimension, parameters)
-        grown.fit(points[:-5], values[:-5])
-        grown.add(points[-5:-1], values[-5:-1])
-        grown.add(points[-1:], values[-1:])
-        error = np.max(np.abs(grown.predict(queries) - model.predict(queries))) / np.ptp(values)
-        _require(error < 1e-6, f"points added one after another give predictions that differ from a fit by {error:.1e}")
-        _check_refusals(partial(plugin, dimension, parameters), points, values)
-
-
-def check_scalariser(plugin: Any, settings: Mapping[str, object] | None = None) -> None:
-    """Check a scalariser class, made with `settings` of its parameters, on three objectives between 0 and 10.
-
-    Ready after `prepare`; a copy may be prepared without the original (a problem keeps its own copy); one finite scalar per
-    row, the same for many rows as one by one; better in every objective is better in the scalar; inputs are not altered.
-    Raises AssertionError with an explanation.
-    """
-    parameters = make_parameters(plugin.Parameters, dict(settings or {}), "scalariser")
-    quantities = [Quantity(name) for name in ("f1", "f2", "f3")]
-    original = plugin(parameters, quantities, {quantity.name: 10.0 for quantity in quantities})
-    scalariser, was_ready = copy.copy(original), original.ready
-    if not was_ready:
-        scalariser.prepare(np.array([4.0, 5.0, 6.0]))
-    _require(scalariser.ready, "the scalariser is not ready after it was given the reference design's objectives")
-    _require(original.ready == was_ready, "preparing a copy of the scalariser prepared the original too")
-    objectives = np.random.default_rng(3).uniform(0.0, 10.0, (50, 3))
-    before = objectives.copy()
-    scalars = np.asarray(scalariser(objectives))
-    _require(np.array_equal(objectives, before), "the scalariser altered the objectives it was given")
-    _require(scalars.shape == (50,), f"50 rows of objectives must give scalars of shape (50,), received {scalars.shape}")
-    _require(bool(np.isfinite(scalars).all()), "the scalariser gives scalars that are not finite")
-    single = np.concatenate([scalariser(row[None, :]) for row in objectives])
-    _require(bool(np.allclose(single, scalars, rtol=1e-12, atol=1e-12)), "many rows at once differ from row by row")
-    better = np.asarray(scalariser(0.9 * objectives - 0.1))
-    _require(bool(np.all(better < scalars)), "a design better in every objective does not get a lower scalar")
-
-
 def _run_trial(strategy: Strategy, trial: Trial, objective: Callable[[FloatArray], FloatArray]) -> list[Evaluation]:
     evaluations: list[Evaluation] = []
     evaluate = partial(_evaluated, trial, objective)
@@ -176,7 +113,7 @@ def _strategy(plugin: Any, settings: Mapping[str, object], surrogate: MakeSurrog
         surrogate=lambda name, values: surrogate(name, trial.space.dimension, values),
     )
     parameters = make_parameters(plugin.Parameters, settings, "strategy")
-    _require(is_dataclass(parameters), "the Parameters of a strategy must be a frozen dataclass")
+    require(is_dataclass(parameters), "the Parameters of a strategy must be a frozen dataclass")
     strategy: Strategy = plugin(context, parameters)
     return strategy
 
@@ -207,10 +144,10 @@ def _disturbed(base: Trial, capabilities: Capabilities) -> Iterator[Trial]:
 def _check_reproducible(run: Callable[[Trial], list[Evaluation]], trial: Trial) -> None:
     before = _global_state()
     first = _designs(run(trial))
-    _require(_global_state() == before, "the strategy draws from numpy's global generator; use context.generator")
+    require(_global_state() == before, "the strategy draws from numpy's global generator; use context.generator")
     second, other = (_designs(run(replace(trial, seed=seed))) for seed in (trial.seed, trial.seed + 1))
-    _require(first == second, "two runs from the same seed propose different designs; use context.generator only")
-    _require(first != other, "runs from different seeds propose the same designs")
+    require(first == second, "two runs from the same seed propose different designs; use context.generator only")
+    require(first != other, "runs from different seeds propose the same designs")
 
 
 def _global_state() -> bytes:
@@ -224,21 +161,21 @@ def _designs(evaluations: Sequence[Evaluation]) -> list[bytes]:
 
 def _check_proposals(proposals: Sequence[Proposal], trial: Trial) -> None:
     space = trial.space
-    _require(len(proposals) > 0, "the strategy proposed nothing although the budget is not spent")
-    _require(
+    require(len(proposals) > 0, "the strategy proposed nothing although the budget is not spent")
+    require(
         len(proposals) <= trial.batch_size, f"{len(proposals)} designs were proposed, a batch is {trial.batch_size} at most"
     )
     for proposal in proposals:
         design = proposal.design
         vector = isinstance(design, np.ndarray) and design.dtype == np.float64 and design.shape == (space.dimension,)
-        _require(vector, f"a design must be a float vector of shape ({space.dimension},), received {design!r}")
+        require(vector, f"a design must be a float vector of shape ({space.dimension},), received {design!r}")
         inside = bool(np.all((design >= space.lower) & (design <= space.upper)))
-        _require(inside, f"the design {design} lies outside the bounds {space.lower} to {space.upper}")
+        require(inside, f"the design {design} lies outside the bounds {space.lower} to {space.upper}")
         whole = bool(np.all(design[space.integer] == np.round(design[space.integer])))
-        _require(whole, f"the design {design} has fractions in the integers {space.integer}")
-        _require(isinstance(proposal.origin, str) and bool(proposal.origin), "a proposal needs its origin in a word")
+        require(whole, f"the design {design} has fractions in the integers {space.integer}")
+        require(isinstance(proposal.origin, str) and bool(proposal.origin), "a proposal needs its origin in a word")
         natural = isinstance(proposal.trajectory, int) and proposal.trajectory >= 0
-        _require(natural, f"trajectory must be an integer ≥ 0, received {proposal.trajectory!r}")
+        require(natural, f"trajectory must be an integer ≥ 0, received {proposal.trajectory!r}")
 
 
 def _evaluated(trial: Trial, objective: Callable[[FloatArray], FloatArray], proposal: Proposal, number: int) -> Evaluation:
@@ -263,50 +200,4 @@ def _tell(strategy: Strategy, told: Sequence[Evaluation], repeats: bool) -> None
     if repeats:
         strategy.tell([replace(evaluation, repeated=True) for evaluation in told])
     unaltered = all(np.array_equal(old, evaluation.design) for old, evaluation in zip(before, told, strict=True))
-    _require(unaltered, "the strategy altered a design it was told")
-
-
-def _smooth_data(dimension: int) -> tuple[FloatArray, FloatArray]:
-    points = np.random.default_rng(dimension).random((40, dimension))
-    return points, 100.0 + np.sin(3.0 * points).sum(axis=1) + points[:, 0] * points[:, -1]
-
-
-def _fit_unaltered(model: Surrogate, points: FloatArray, values: FloatArray) -> None:
-    before = points.copy(), values.copy()
-    model.fit(points, values)
-    _require(np.array_equal(points, before[0]) and np.array_equal(values, before[1]), "fit altered its arguments")
-
-
-def _check_predictions(model: Surrogate, queries: FloatArray, spread: float) -> None:
-    predicted, gradient = model.predict(queries), model.gradient(queries)
-    shapes = predicted.shape == (len(queries),) and gradient.shape == queries.shape
-    _require(shapes, f"predict must give (k,) and gradient (k, d), received {predicted.shape} and {gradient.shape}")
-    single = np.concatenate([model.predict(query[None, :]) for query in queries])
-    _require(bool(np.allclose(single, predicted, rtol=1e-9)), "many points predicted at once differ from one by one")
-    step = 1e-5
-    for axis, offset in enumerate(step * np.eye(queries.shape[1])):
-        slope = (model.predict(queries + offset) - model.predict(queries - offset)) / (2.0 * step)
-        error = np.max(np.abs(slope - gradient[:, axis])) / spread
-        _require(error < 1e-5, f"the gradient differs from central differences by {error:.1e} of the spread of the values")
-
-
-def _check_refusals(make: Callable[[], Surrogate], points: FloatArray, values: FloatArray) -> None:
-    spoilt = values.copy()
-    spoilt[3] = np.nan
-    try:
-        make().fit(points, spoilt)
-    except RailsearchError:
-        pass
-    else:
-        raise AssertionError("a value that is not a number was accepted; raise SurrogateError")
-    try:
-        make().fit(np.empty((0, points.shape[1])), np.empty(0))
-    except SurrogateError:
-        pass
-    else:
-        raise AssertionError("a fit to no points was accepted; raise SurrogateError")
-
-
-def _require(condition: bool, explanation: str) -> None:
-    if not condition:
-        raise AssertionError(explanation)
+    require(unaltered, "the strategy altered a design it was told")

@@ -1,0 +1,16 @@
+"""Conformance suite: what every registered strategy, surrogate and scalariser has to fulfil, built-in or external.
+
+Each check takes the registered class, runs it on small problems and raises an AssertionError that says in plain words
+what is wrong. In the tests of a plugin package:
+
+    from railsearch.testing import check_strategy
+
+    def test_my_strategy():
+        check_strategy(MyStrategy)
+"""
+
+from railsearch.testing.scalarisers import check_scalariser
+from railsearch.testing.strategies import MIXED, REAL, Trial, check_strategy, run_trial
+from railsearch.testing.surrogates import check_surrogate
+
+__all__ = ["MIXED", "REAL", "Trial", "check_scalariser", "check_strategy", "check_surrogate", "run_trial"]
