@@ -10,9 +10,11 @@
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from railsearch.errors import InputError
-from railsearch.space import FloatArray
+
+FloatArray = NDArray[np.float64]
 
 
 def augmented_chebyshev(objectives: FloatArray, aspiration: FloatArray, worst: FloatArray, rho: float) -> FloatArray:
