@@ -1,16 +1,16 @@
-"""Every registered strategy, surrogate and scalariser passes the shipped suite; the suite finds what it is there to find."""
+"""Every registered strategy, surrogate, scalariser and track model passes the shipped suite; the suite finds what it is there to find."""
 
 import itertools
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 
-from railsearch.interfaces import Capabilities, Proposal
+from railsearch.interfaces import Capabilities, Proposal, Quantity, Response, parameter
 from railsearch.plugin_manager import load_plugins
 from railsearch.sampling import random_designs
 from railsearch.scalarise import augmented_chebyshev
-from railsearch.testing import check_scalariser, check_strategy, check_surrogate
+from railsearch.testing import check_scalariser, check_strategy, check_surrogate, check_track_model
 from railsearch_plugins.scalarisers.asf import AchievementScalarisingFunction
 from railsearch_plugins.strategies.random import RandomSearch
 from railsearch_plugins.surrogates.rbf import RadialBasisFunctionInterpolant
@@ -33,6 +33,11 @@ def test_surrogate(plugin):
 @registered("scalariser")
 def test_scalariser(plugin):
     check_scalariser(plugin)
+
+
+@registered("track-model")
+def test_track_model(plugin):
+    check_track_model(plugin)
 
 
 @pytest.mark.parametrize("settings", [{"kernel": "thin-plate"}, {"kernel": "linear"}])
@@ -271,3 +276,80 @@ class Shifting(AchievementScalarisingFunction):
 def test_a_scalariser_at_fault_is_found(plugin, explanation):
     with pytest.raises(AssertionError, match=explanation):
         check_scalariser(plugin)
+
+
+@dataclass(frozen=True)
+class Speed:
+    speed: float = parameter(1.0, unit="m/s", meaning="speed")
+
+
+class Steady:
+    """A track model without fault: the force of a passage is its speed."""
+
+    Parameters = Speed
+    metrics = (Quantity("F_max", "N"),)
+    histories = (Quantity("force", "N"),)
+
+    def warm_up(self):
+        """Nothing to compile."""
+
+    def simulate(self, parameters, histories=False):
+        return Response({"F_max": parameters.speed}, {"force": np.ones(3)} if histories else {})
+
+
+class Unannounced(Steady):
+    metrics = ()
+
+
+class Diverging(Steady):
+    def simulate(self, parameters, histories=False):
+        return Response({"F_max": float("nan")})
+
+
+class Talkative(Steady):
+    def simulate(self, parameters, histories=False):
+        return super().simulate(parameters, True)
+
+
+class Silenced(Steady):
+    def simulate(self, parameters, histories=False):
+        return super().simulate(parameters, False)
+
+
+class Dependent(Steady):
+    def simulate(self, parameters, histories=False):
+        return replace(super().simulate(parameters, histories), metrics={"F_max": 1.0 + histories})
+
+
+class Drifting(Steady):
+    count = itertools.count()
+
+    def __init__(self):
+        self.drift = float(next(Drifting.count))
+
+    def simulate(self, parameters, histories=False):
+        return replace(super().simulate(parameters, histories), metrics={"F_max": self.drift})
+
+
+class Interfering(Steady):
+    def simulate(self, parameters, histories=False):
+        object.__setattr__(parameters, "speed", 2.0)
+        return super().simulate(parameters, histories)
+
+
+@pytest.mark.parametrize(
+    ("plugin", "explanation"),
+    [
+        (Unannounced, "not the announced"),
+        (Diverging, "not a finite float"),
+        (Talkative, "without being asked"),
+        (Silenced, "histories .* are not the announced"),
+        (Dependent, "when histories are asked for"),
+        (Drifting, "two passages"),
+        (Interfering, "changed its parameters"),
+    ],
+)
+def test_a_track_model_at_fault_is_found(plugin, explanation):
+    check_track_model(Steady)
+    with pytest.raises(AssertionError, match=explanation):
+        check_track_model(plugin)

@@ -1,4 +1,4 @@
-"""Conformance suite: what every registered strategy, surrogate and scalariser has to fulfil, built-in or external.
+"""Conformance suite: what every registered strategy, surrogate, scalariser and track model has to fulfil, built-in or external.
 
 Each check takes the registered class, runs it on small problems and raises an AssertionError that says in plain words
 what is wrong. In the tests of a plugin package:
@@ -12,5 +12,15 @@ what is wrong. In the tests of a plugin package:
 from railsearch.testing.scalarisers import check_scalariser
 from railsearch.testing.strategies import MIXED, REAL, Trial, check_strategy, run_trial
 from railsearch.testing.surrogates import check_surrogate
+from railsearch.testing.track_models import check_track_model
 
-__all__ = ["MIXED", "REAL", "Trial", "check_scalariser", "check_strategy", "check_surrogate", "run_trial"]
+__all__ = [
+    "MIXED",
+    "REAL",
+    "Trial",
+    "check_scalariser",
+    "check_strategy",
+    "check_surrogate",
+    "check_track_model",
+    "run_trial",
+]
