@@ -46,7 +46,7 @@ def site_template(registry: Registry, problem: str) -> str:
     """A commented site file with every default of a problem, of all strategies and of all scalarisers."""
     lines = [
         f"# A site for the problem {problem}. Every value is the default; SI units unless the comment says otherwise.",
-        '# A list may stand in a text file beside this one (columns, lines with # are comments): { file = "x.csv", column = 1 }',
+        '# A list may stand in a text file beside this one (columns; # begins a comment): { file = "x.csv", column = 1 }',
         f"problem = {json.dumps(problem)}",
     ]
     for section, start in registry.get("problem", problem).sections(registry).items():

@@ -1,4 +1,4 @@
-"""Every registered strategy, surrogate, scalariser and track model passes the shipped suite; the suite finds what it is there to find."""
+"""Every registered plugin passes the shipped suite; the suite finds what it is there to find."""
 
 import itertools
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""Conformance suite: what every registered strategy, surrogate, scalariser and track model has to fulfil, built-in or external.
+"""Conformance suite: what every registered strategy, surrogate, scalariser and track model has to fulfil.
 
 Each check takes the registered class, runs it on small problems and raises an AssertionError that says in plain words
 what is wrong. In the tests of a plugin package:
