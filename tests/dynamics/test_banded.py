@@ -23,10 +23,10 @@ def random_band(seed, size, widths):
 
 
 def solve(band, load):
-    lower, (rows, columns) = banded.factorise(band), banded.block_widths(band)
-    solution = load.copy()
-    banded.forward(lower, banded.runs(rows, load.size), solution)
-    banded.backward(lower, banded.runs(columns, load.size), solution)
+    lower = banded.factorise(band)
+    upper, solution = banded.mirrored(lower), load.copy()
+    banded.forward(lower, banded.runs(lower), solution)
+    banded.backward(upper, banded.runs(upper), solution)
     return solution
 
 

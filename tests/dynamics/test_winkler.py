@@ -37,10 +37,10 @@ def deflection_under_static_load(count, position):
     load = np.zeros(gram.shape[1])
     load[elements[element[0]]] = LOAD * row[0]
     matrix = bending + FOUNDATION * gram
-    rows, columns = (banded.runs(widths, load.size) for widths in banded.block_widths(matrix))
     lower = banded.factorise(matrix)
-    banded.forward(lower, rows, load)
-    banded.backward(lower, columns, load)
+    upper = banded.mirrored(lower)
+    banded.forward(lower, banded.runs(lower), load)
+    banded.backward(upper, banded.runs(upper), load)
     return load[elements[element[0]]] @ row[0]
 
 

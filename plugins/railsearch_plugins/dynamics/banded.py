@@ -5,10 +5,9 @@ b       half-bandwidth: no entries further from the diagonal   scalar      -
 B       matrix by lower diagonals, B[k, i] = A[i, i − k]       (b + 1, n)  as A
 L, D    A = L D Lᵀ, L[k, i] below the unit diagonal            (b + 1, n)  -
         1/D is stored in L[0]
-h       most sub-diagonals a block of BLOCK rows needs         (blocks,)   -
 
-The envelope of a row is kept by LDLᵀ (George & Liu 1981, sec. 4.2), so the widths of A are those of L. Rows with at
-most NARROW sub-diagonals (a beam with single masses under it) or WIDE ones (two beams, one over a joint of the other) are
+The envelope of A is that of L (George & Liu 1981, sec. 4.2): rows of L are as short as those of A. Rows with at most
+NARROW sub-diagonals (a beam with single masses under it) or WIDE ones (two beams, one over a joint of the other) are
 substituted with the last results held in registers: what limits a substitution is the wait for the row before.
 """
 
@@ -49,31 +48,34 @@ def half_bandwidth(elements: Iterable[Elements]) -> int:
     return widest
 
 
-def block_widths(band: FloatArray) -> tuple[IntArray, IntArray]:
-    """Sub-diagonals that the rows, and super-diagonals that the columns, of each block of the factor need."""
-    width, size = band.shape[0] - 1, band.shape[1]
-    rows = np.zeros(size, dtype=np.int64)
-    for k in range(1, width + 1):
-        rows[band[k] != 0.0] = k
-    reach = np.arange(size) - rows
-    columns = np.zeros(size, dtype=np.int64)
-    for k in range(1, width + 1):
-        inside = reach[k:] <= np.arange(size - k)
-        columns[: size - k][inside] = k
-    starts = np.arange(0, size, BLOCK)
-    return np.maximum.reduceat(rows, starts), np.maximum.reduceat(columns, starts)
+def block_widths(factor: FloatArray) -> IntArray:
+    """The most sub-diagonals with an entry in a row of each block of a factor, L or U."""
+    rows = np.zeros(factor.shape[1], dtype=np.int64)
+    for k in range(1, factor.shape[0]):
+        rows[factor[k] != 0.0] = k
+    return np.maximum.reduceat(rows, np.arange(0, rows.size, BLOCK))
 
 
-def runs(widths: IntArray, size: int) -> IntArray:
+def runs(factor: FloatArray) -> IntArray:
     """Rows from, to and width (r, 3) of the longest stretches of blocks that are substituted alike.
 
     A block at either end is a run of its own, since there the rows before it are missing.
     """
+    widths = block_widths(factor)
     alike = np.where(widths <= NARROW, NARROW, np.where(widths <= WIDE, WIDE, widths))
     cuts = np.flatnonzero(np.diff(alike)) + 1
     first = np.unique(np.concatenate([[0, min(1, alike.size - 1), alike.size - 1], cuts]))
-    stops = np.append(first[1:] * BLOCK, size)
+    stops = np.append(first[1:] * BLOCK, factor.shape[1])
     return np.stack([first * BLOCK, stops, alike[first]], axis=1)
+
+
+def mirrored(lower: FloatArray) -> FloatArray:
+    """U, the factor as seen from the far end of the track: U[k, i] = L[k, n − 1 − i + k], and 1/D as it is."""
+    upper = np.zeros_like(lower)
+    upper[0] = lower[0]
+    for k in range(1, min(lower.shape)):
+        upper[k, k:] = lower[k, k:][::-1]
+    return upper
 
 
 def diagonal_ranges(band: FloatArray) -> tuple[IntArray, IntArray]:
@@ -146,35 +148,6 @@ def forward_block(lower, width, start, stop, y):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, fastmath={"contract"})
-def _mirrored(lower, k, start, stop):  # type: ignore[no-untyped-def]
-    """What multiplies x[i + k] in row i of Lᵀ, for the rows stop…start."""
-    return lower[k, start + k : stop + k][::-1]
-
-
-@njit(cache=True, fastmath={"contract"})
-def backward_block(lower, width, start, stop, x):  # type: ignore[no-untyped-def]
-    """Lᵀ x = b for rows stop…start; x holds b on entry and the rows from `stop` on are done."""
-    if width <= NARROW <= x.size - stop:
-        last = x[stop : stop + NARROW]
-        _narrow_sweep(
-            _mirrored(lower, 1, start, stop), _mirrored(lower, 2, start, stop), _mirrored(lower, 3, start, stop),
-            _mirrored(lower, 4, start, stop), last[0], last[1], last[2], last[3], x[start:stop][::-1],
-        )  # fmt: skip
-    elif width <= WIDE <= x.size - stop:
-        last = x[stop : stop + WIDE]
-        _wide_sweep(
-            _mirrored(lower, 1, start, stop), _mirrored(lower, 2, start, stop), _mirrored(lower, 3, start, stop),
-            _mirrored(lower, 4, start, stop), _mirrored(lower, 5, start, stop), _mirrored(lower, 6, start, stop),
-            _mirrored(lower, 7, start, stop), _mirrored(lower, 8, start, stop), _mirrored(lower, 9, start, stop),
-            last[0], last[1], last[2], last[3], last[4], last[5], last[6], last[7], last[8], x[start:stop][::-1],
-        )  # fmt: skip
-    else:
-        for i in range(stop - 1, start - 1, -1):
-            for k in range(min(width, x.size - 1 - i), 0, -1):
-                x[i] -= lower[k, i + k] * x[i + k]
-
-
-@njit(cache=True, fastmath={"contract"})
 def forward(lower, runs, y):  # type: ignore[no-untyped-def]
     """L y = b in place, over the `runs` of its rows."""
     for r in range(runs.shape[0]):
@@ -182,12 +155,11 @@ def forward(lower, runs, y):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, fastmath={"contract"})
-def backward(lower, runs, x):  # type: ignore[no-untyped-def]
-    """Lᵀ x = D⁻¹ y in place, over the `runs` of its columns."""
+def backward(upper, runs, x):  # type: ignore[no-untyped-def]
+    """Lᵀ x = D⁻¹ y in place, over the `runs` of U: seen from the far end it is a forward substitution."""
     for i in range(x.size):
-        x[i] *= lower[0, i]
-    for r in range(runs.shape[0] - 1, -1, -1):
-        backward_block(lower, runs[r, 2], runs[r, 0], runs[r, 1], x)
+        x[i] *= upper[0, i]
+    forward(upper, runs, x[::-1])
 
 
 @njit(cache=True, fastmath={"contract"})

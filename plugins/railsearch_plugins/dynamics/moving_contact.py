@@ -34,6 +34,7 @@ from railsearch_plugins.dynamics.banded import (
     factorise,
     forward,
     forward_block,
+    mirrored,
     runs,
 )
 from railsearch_plugins.dynamics.beam import FloatArray, IntArray
@@ -83,12 +84,13 @@ class Passage(NamedTuple):
 
 
 class TrackStep(NamedTuple):
-    """What a step needs of the track: factor of A, its runs, (2/dt) M, −K and the ranges of their diagonals."""
+    """What a step needs of the track: factors of A, their runs, (2/dt) M, −K and the ranges of their diagonals."""
 
     lower: FloatArray
-    row_widths: IntArray
-    row_runs: IntArray
-    column_runs: IntArray
+    upper: FloatArray
+    block_widths: IntArray
+    lower_runs: IntArray
+    upper_runs: IntArray
     scaled_mass: FloatArray
     minus_stiffness: FloatArray
     starts: IntArray
@@ -119,13 +121,14 @@ def pass_over(track: Track, vehicle: Vehicle, contact: Contact, time_step: float
 def _prepare_track(track: Track, time_step: float) -> TrackStep:
     scaled_mass = (2.0 / time_step) * track.mass
     newmark = (2.0 / time_step) * (scaled_mass + track.damping) + track.stiffness
-    rows, columns = block_widths(newmark)
-    size = newmark.shape[1]
+    lower = factorise(newmark)
+    upper = mirrored(lower)
     return TrackStep(
-        factorise(newmark),
-        rows,
-        runs(rows, size),
-        runs(columns, size),
+        lower,
+        upper,
+        block_widths(lower),
+        runs(lower),
+        runs(upper),
         scaled_mass,
         -track.stiffness,
         *diagonal_ranges(newmark),
@@ -135,11 +138,13 @@ def _prepare_track(track: Track, time_step: float) -> TrackStep:
 def _prepare_vehicle(vehicle: Vehicle, time_step: float) -> VehicleStep:
     scaled_mass = (2.0 / time_step) * vehicle.mass
     compliance = np.linalg.inv((2.0 / time_step) * (scaled_mass + vehicle.damping) + vehicle.stiffness)
-    return VehicleStep(np.asarray(compliance), scaled_mass, vehicle.stiffness, vehicle.static_load, vehicle.contact_stiffness)
+    return VehicleStep(
+        np.asarray(compliance), scaled_mass, vehicle.stiffness, vehicle.static_load, vehicle.contact_stiffness
+    )
 
 
 @njit(cache=True, fastmath={"contract"})
-def _contact_column(lower, row_widths, unknowns, row, q):  # type: ignore[no-untyped-def]
+def _contact_column(lower, widths, unknowns, row, q):  # type: ignore[no-untyped-def]
     """q = L⁻¹ Nᵀ from the first block that the contact touches to where it has decayed; returns that range."""
     first, last = q.size, 0
     for k in range(unknowns.size):
@@ -154,7 +159,7 @@ def _contact_column(lower, row_widths, unknowns, row, q):  # type: ignore[no-unt
         for k in range(unknowns.size):
             if begin <= unknowns[k] < stop:
                 q[unknowns[k]] = row[k]
-        forward_block(lower, row_widths[begin // BLOCK], begin, stop, q)
+        forward_block(lower, widths[begin // BLOCK], begin, stop, q)
         size = np.max(np.abs(q[begin:stop]))
         largest = max(largest, size)
         if begin > last and size <= NEGLIGIBLE * largest:
@@ -244,15 +249,15 @@ def _integrate(track, vehicle, contact, supports, time_step, states):  # type: i
     z[0] = vehicle.static_load / vehicle.contact_stiffness + contact.irregularity[0]
     for n in range(1, steps):
         _known_load(track, u, v, unknowns[n - 1], rows[n - 1], force[n - 1], y)
-        forward(track.lower, track.row_runs, y)
-        start, stop = _contact_column(track.lower, track.row_widths, unknowns[n], rows[n], q)
+        forward(track.lower, track.lower_runs, y)
+        start, stop = _contact_column(track.lower, track.block_widths, unknowns[n], rows[n], q)
         _vehicle_without_force(vehicle, z[n - 1], zv[n - 1], force[n - 1], half)
         gap = z[n - 1, -1] + 2.0 * half[-1] - _seen(unknowns[n], rows[n], u) - contact.irregularity[n]
         force[n] = _contact_force(track.lower, q, y, start, stop, gap, vehicle.compliance[-1, -1], vehicle.contact_stiffness)
         _vehicle_with_force(vehicle, force[n], rate, half, z[n - 1], zv[n - 1], z[n], zv[n])
         for i in range(start, stop):
             y[i] += 0.5 * force[n] * q[i]
-        backward(track.lower, track.column_runs, y)
+        backward(track.upper, track.upper_runs, y)
         _advance(y, rate, u, v)
         rail[n] = _seen(unknowns[n], rows[n], u)
         _add_squares(0.5 * time_step if n == steps - 1 else time_step, v, supports, integrals)
