@@ -54,7 +54,7 @@ class CountingSphere(Sphere):
 
 
 class Troubled(Sphere):
-    """Fails in many ways, by the integer `count`: −4 raises, −3 gives NaN, −2 infinity, −1 the wrong shape, 3 hangs, 4 dies."""
+    """Fails by the integer `count`: −4 raises, −3 gives NaN, −2 infinity, −1 the wrong shape, 3 hangs, 4 dies."""
 
     def simulate(self, design: FloatArray) -> Outcome:
         count = int(design[2])

@@ -2,7 +2,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from sample_problems import CountingSphere, Sphere, Troubled
 
 from railsearch.budget import REPEATS_IN_A_ROW, BudgetedEvaluator
 from railsearch.design_problem import DesignProblem
@@ -10,6 +9,7 @@ from railsearch.errors import BudgetExhausted, InputError, PluginError, StorageE
 from railsearch.interfaces import Evaluation, Outcome, Proposal, Quantity
 from railsearch.simulation import InProcess
 from railsearch.space import FloatArray, Space, Variable
+from sample_problems import CountingSphere, Sphere, Troubled
 
 
 def evaluator(problem: DesignProblem, budget: int, record: list[Evaluation] | None = None) -> BudgetedEvaluator:

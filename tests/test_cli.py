@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import Answer
-from sample_problems import Troubled, TwoObjectives
 
+from conftest import Answer
 from railsearch.hookspecs import hookimpl
+from sample_problems import Troubled, TwoObjectives
 
 Cli = Callable[..., Answer]
 REFERENCE = {"xr1": 1120.0, "xr2": 1120.0, "xr3": 1120.0, "xn": 8, "xs1": 6, "xs2": 6, "xs3": 4, "xl": 0}

@@ -15,7 +15,19 @@ from conftest import Answer
 from test_cli import sample_problems
 
 pytestmark = pytest.mark.system
-QUIET = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync", "--hide-scrollbars", "--window-size=1400,2400", "--virtual-time-budget=20000"]
+QUIET = [
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--hide-scrollbars",
+    "--window-size=1400,2400",
+    "--virtual-time-budget=20000",
+]
 
 
 def free_port() -> int:

@@ -5,8 +5,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from conftest import Answer
 
+from conftest import Answer
 from railsearch.plugin_manager import load_plugins
 from railsearch.site import site_template
 

@@ -41,8 +41,9 @@ def test_plugins_are_listed_from_the_wheel(fresh: Path, tmp_path: Path) -> None:
     rows = {(row["kind"], row["name"]): row for row in json.loads(command(fresh, tmp_path, "list", "--json"))}
     assert {("strategy", "dycors"), ("surrogate", "rbf"), ("problem", "level-crossing"), ("scalariser", "asf")} <= set(rows)
     assert rows["strategy", "pattern-search"]["distribution"] == "railsearch-pattern-search"
+    code = "import railsearch, railsearch_plugins; print(railsearch.__file__, railsearch_plugins.__file__)"
     listed = subprocess.run(
-        [str(fresh / "python"), "-c", "import railsearch, railsearch_plugins; print(railsearch.__file__, railsearch_plugins.__file__)"],
+        [str(fresh / "python"), "-c", code],
         cwd=tmp_path,
         capture_output=True,
         text=True,

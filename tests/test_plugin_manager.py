@@ -118,7 +118,7 @@ def test_a_broken_plugin_is_named_and_the_rest_goes_on(
     assert "half-a-plugin" not in [entry.name for entry in registry.entries()]
     (warning,) = registry.warnings
     assert all(word in warning for word in ("acme 1.2", "Update or uninstall acme", *words)), warning
-    with pytest.raises(PluginError, match="Not loaded: .*acme"):
+    with pytest.raises(PluginError, match=r"Not loaded: .*acme"):
         registry.get("strategy", "half")
 
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import Answer
 
+from conftest import Answer
 from railsearch.testing import check_strategy
 
 ROOT = Path(__file__).parents[1]
@@ -31,7 +31,7 @@ def test_the_smallest_plugin_runs(
     railsearch: Callable[..., Answer], install: Callable[..., None], jumps: types.ModuleType, tmp_path: Path
 ) -> None:
     install(railsearch_jumps=lambda: jumps)
-    words = "run level-crossing --scalarise asf --strategy jumps --budget 5 --seed 1".split()
+    words = ["run", "level-crossing", "--scalarise", "asf", "--strategy", "jumps", "--budget", "5", "--seed", "1"]
     assert " ".join(words[:-4]) in README
     answer = railsearch(*words, "--out", tmp_path)
     assert answer.code == 0, answer.err

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from sample_problems import MIXED, CountingSphere, Sphere, Troubled, TwoObjectives
 
 from railsearch.design_problem import ScalarisedProblem
 from railsearch.errors import CapabilityError, InputError
@@ -13,6 +12,7 @@ from railsearch.interfaces import Capabilities, Evaluation, NoParameters, Propos
 from railsearch.plugin_manager import Entry, Provenance, Registry, load_plugins
 from railsearch.run import MemoryRecord, RunSettings, best, front, run_search
 from railsearch.storage import StudyDescription, open_run
+from sample_problems import MIXED, CountingSphere, Sphere, Troubled, TwoObjectives
 
 SINGLE = ("random", "dycors", "lmsrs", "ga")
 EVERY = (*SINGLE, "nsga2")

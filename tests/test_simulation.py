@@ -2,11 +2,11 @@ import time
 
 import numpy as np
 import pytest
-from sample_problems import Sphere, Troubled
 
 from railsearch.errors import InputError
 from railsearch.interfaces import Outcome
 from railsearch.simulation import TimeLimited, simulator
+from sample_problems import Sphere, Troubled
 
 
 def design(count: int) -> np.ndarray:

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sample_problems import MIXED
 
 from railsearch.errors import InputError
 from railsearch.space import Space, Variable
+from sample_problems import MIXED
 
 points = st.lists(st.floats(0.0, 1.0), min_size=4, max_size=4)
 

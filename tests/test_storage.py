@@ -5,11 +5,11 @@ import optuna
 import optuna_dashboard
 import pytest
 from optuna.trial import TrialState
-from sample_problems import MIXED, TwoObjectives
 
 from railsearch.errors import StorageError
 from railsearch.interfaces import Evaluation
 from railsearch.storage import RunStorage, StudyDescription, open_run
+from sample_problems import MIXED, TwoObjectives
 
 IDENTITY = {"problem": "two", "seed": 1, "strategy": {"name": "random", "settings": {"a": (1.0, 2.0)}}}
 
