@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from railsearch_plugins.dynamics import banded
+from railsearch_plugins.dynamics import banded, kernels
 
 
 def random_band(seed, size, widths):
@@ -16,17 +16,17 @@ def random_band(seed, size, widths):
         for j in range(max(0, i - widths[i % len(widths)]), i):
             dense[i, j] = dense[j, i] = generator.uniform(-1.0, 1.0)
     dense[np.diag_indices(size)] = np.abs(dense).sum(axis=1) + generator.uniform(0.1, 1.0, size)
-    band = np.zeros((max([*widths, banded.WIDE]) + 1, size))
+    band = np.zeros((max([*widths, kernels.WIDE]) + 1, size))
     for k in range(min(band.shape[0], size)):
         band[k, k:] = np.diag(dense, -k)
     return dense, band
 
 
 def solve(band, load):
-    lower = banded.factorise(band)
+    lower = kernels.factorise(band)
     upper, solution = banded.mirrored(lower), load.copy()
-    banded.forward(lower, banded.runs(lower), solution)
-    banded.backward(upper, banded.runs(upper), solution)
+    kernels.forward(lower, banded.runs(lower), solution)
+    kernels.backward(upper, banded.runs(upper), solution)
     return solution
 
 
@@ -48,13 +48,13 @@ def test_product_agrees_with_dense_algebra(seed, size, widths):
     (first, a), (second, b) = random_band(seed, size, widths), random_band(seed + 1, size, widths)
     x, z, y = np.random.default_rng(seed).standard_normal((3, size))
     expected = y + first @ x + second @ z
-    banded.add_products(a, b, *banded.diagonal_ranges(a + b), x, z, y)
+    kernels.add_products(a, b, *banded.diagonal_ranges(a + b), x, z, y)
     np.testing.assert_allclose(y, expected, rtol=1e-12, atol=1e-12)
 
 
 def test_factor_times_its_transpose_is_the_matrix():
     dense, band = random_band(5, 90, [3, 4, 9, 2])
-    factor = banded.factorise(band)
+    factor = kernels.factorise(band)
     lower = np.eye(90)
     for k in range(1, factor.shape[0]):
         lower += np.diag(factor[k, k:], -k)

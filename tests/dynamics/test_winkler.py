@@ -7,7 +7,7 @@ Static: w = P β/(2k), β = (k/(4 EI))^(1/4) (Hetényi 1946, eq. 1.3). A load mo
 import numpy as np
 import pytest
 
-from railsearch_plugins.dynamics import banded
+from railsearch_plugins.dynamics import banded, kernels
 from railsearch_plugins.dynamics.beam import bending_matrices, gram_matrices, locate
 from railsearch_plugins.dynamics.moving_contact import Contact, Track, Vehicle, pass_over
 
@@ -37,10 +37,10 @@ def deflection_under_static_load(count, position):
     load = np.zeros(gram.shape[1])
     load[elements[element[0]]] = LOAD * row[0]
     matrix = bending + FOUNDATION * gram
-    lower = banded.factorise(matrix)
+    lower = kernels.factorise(matrix)
     upper = banded.mirrored(lower)
-    banded.forward(lower, banded.runs(lower), load)
-    banded.backward(upper, banded.runs(upper), load)
+    kernels.forward(lower, banded.runs(lower), load)
+    kernels.backward(upper, banded.runs(upper), load)
     return load[elements[element[0]]] @ row[0]
 
 
