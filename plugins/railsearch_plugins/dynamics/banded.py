@@ -57,13 +57,12 @@ def block_widths(factor: FloatArray) -> IntArray:
 def runs(factor: FloatArray) -> IntArray:
     """Rows from, to and width (r, 3) of the longest stretches of blocks that are substituted alike.
 
-    The first and the last block are runs of their own: at the first one the rows before it are missing, and the
-    substitution is the slower, general one.
+    The first block is a run of its own: the rows before it are missing, and its substitution is the slower, general one.
     """
     widths = block_widths(factor)
     alike = np.where(widths <= NARROW, NARROW, np.where(widths <= WIDE, WIDE, widths))
     cuts = np.flatnonzero(np.diff(alike)) + 1
-    first = np.unique(np.concatenate([[0, min(1, alike.size - 1), alike.size - 1], cuts]))
+    first = np.unique(np.concatenate([[0, min(1, alike.size - 1)], cuts]))
     stops = np.append(first[1:] * BLOCK, factor.shape[1])
     return np.stack([first * BLOCK, stops, alike[first]], axis=1)
 
