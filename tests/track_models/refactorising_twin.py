@@ -16,7 +16,7 @@ from scipy.sparse.linalg import splu
 
 from railsearch_plugins.track_models.level_crossing.parameters import LevelCrossingParameters
 
-# The fastest of SuperLU's orderings for this matrix.
+# With COLAMD the fastest of SuperLU's orderings for this matrix.
 ORDERING = "MMD_AT_PLUS_A"
 SYMMETRIC = {"SymmetricMode": True, "DiagPivotThresh": 0.0}
 
