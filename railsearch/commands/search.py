@@ -220,7 +220,7 @@ def _finish(folder: RunDirectory, problem: DesignProblem, found: dict[str, Any],
     if folder.report.exists() and folder.result.exists() and folder.result.read_text(encoding="utf-8") == text:
         return
     messages.print("drawing the figures and the report")
-    figures = run_figures(problem, result.evaluations, found)
+    figures = run_figures(problem, result.evaluations)
     write_figures(folder.figures, figures)
     write_report(folder.report, found, figures)
     folder.write(RESULT_FILE, text)

@@ -1,0 +1,50 @@
+"""Which figures a run has, and their files: the same run writes the same bytes."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from railsearch.design_problem import DesignProblem
+from railsearch.interfaces import Evaluation
+from railsearch.result import reference_evaluation
+from railsearch.run import best
+from railsearch.run_directory import writing
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+DOTS_PER_INCH = 150
+
+
+def run_figures(problem: DesignProblem, evaluations: Sequence[Evaluation]) -> dict[str, Figure]:
+    """The search history and, where a best design was found, the problem's own pictures of reference and best design."""
+    from railsearch.report.history import history_figure
+
+    reference = reference_evaluation(problem, evaluations)
+    found = best(evaluations, None if reference is None else reference.objectives)
+    designs = {"reference": reference, "best": found}
+    shown = {label: evaluation.design for label, evaluation in designs.items() if evaluation is not None}
+    pictures = problem.figures(shown) if found is not None else {}
+    return {"history": history_figure(problem, evaluations), **pictures}
+
+
+def write_figures(folder: Path, figures: Mapping[str, Figure]) -> None:
+    """Write every figure as PNG and SVG. Raises StorageError if the folder cannot be written."""
+    with writing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, figure in figures.items():
+            (folder / f"{name}.svg").write_bytes(drawn(figure, "svg", name))
+            (folder / f"{name}.png").write_bytes(drawn(figure, "png", name))
+
+
+def drawn(figure: Figure, kind: str, name: str) -> bytes:
+    """A figure as the bytes of an SVG (identifiers made from its name) or PNG file, without a date."""
+    import matplotlib
+
+    buffer = io.BytesIO()
+    with matplotlib.rc_context({"svg.hashsalt": name, "svg.fonttype": "path"}):
+        figure.savefig(buffer, format=kind, dpi=DOTS_PER_INCH, metadata={"Date": None} if kind == "svg" else None)
+    return buffer.getvalue()

@@ -1,0 +1,180 @@
+"""The history of a search: every evaluation by origin, the best so far, the incumbent, resets and failures."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from railsearch.design_problem import DesignProblem
+from railsearch.interfaces import Evaluation, Quantity
+from railsearch.result import reference_evaluation
+from railsearch.run import front
+from railsearch.space import FloatArray
+
+Mask = NDArray[np.bool_]
+
+# Okabe & Ito's colours for all kinds of colour vision; an origin keeps its colour from run to run.
+KNOWN_ORIGINS = {
+    "given": ("#000000", "*"),
+    "initial": ("#999999", "o"),
+    "perturbation": ("#0072B2", "o"),
+    "tree-search": ("#D55E00", "^"),
+    "offspring": ("#0072B2", "o"),
+    "random": ("#56B4E9", "o"),
+    "unseen": ("#CC79A7", "D"),
+}
+OTHER_ORIGINS = (("#009E73", "s"), ("#E69F00", "v"), ("#56B4E9", "P"), ("#CC79A7", "X"))
+SHARE_SHOWN = 0.9
+ROOM = 0.6
+
+
+def history_figure(problem: DesignProblem, evaluations: Sequence[Evaluation]) -> Figure:
+    """Draw the history: values over evaluations for one objective; the objective space for two; a panel each for more."""
+    count = len(problem.objectives)
+    figure = Figure(figsize=(10.0, 4.8 if count < 3 else 1.2 + 2.4 * count), layout="constrained")
+    if count == 2:
+        _draw_objective_space(figure.subplots(), problem, evaluations)
+        figure.set_label(
+            "Every evaluation by how it came about, in the space of both objectives (lower is better), and the front of "
+            "designs that no other one dominates."
+        )
+    else:
+        for axes, position in zip(figure.subplots(count, squeeze=False)[:, 0], range(count), strict=True):
+            _draw_values(axes, problem, evaluations, position)
+        figure.set_label(
+            "Every evaluation by how it came about; the line is the best so far, the dashed line the incumbent, the best "
+            "since the last reset. Triangles at the upper edge stand for higher values, crosses at the lower edge for "
+            "failed evaluations."
+        )
+    return figure
+
+
+def incumbents(evaluations: Sequence[Evaluation], values: FloatArray) -> FloatArray:
+    """The best value (n,) since the last reset, at every evaluation; NaN as long as there is none."""
+    trajectories = np.array([evaluation.trajectory for evaluation in evaluations])
+    best = np.full(values.size, np.nan)
+    for trajectory in np.unique(trajectories):
+        inside = trajectories == trajectory
+        best[inside] = np.fmin.accumulate(values[inside])
+    return best
+
+
+def resets(evaluations: Sequence[Evaluation]) -> list[int]:
+    """The numbers, from 1, of the evaluations with which a new trajectory begins."""
+    return [after.number + 1 for before, after in pairwise(evaluations) if after.trajectory > before.trajectory]
+
+
+def upper_limit(values: FloatArray) -> float:
+    """Where the picture ends, so that a few bad values do not squash the rest."""
+    low, high, top = values.min(), np.quantile(values, SHARE_SHOWN), values.max()
+    limit = high + ROOM * (high - low)
+    return float(top if limit >= top or limit <= low else limit)
+
+
+def _draw_values(axes: Axes, problem: DesignProblem, evaluations: Sequence[Evaluation], position: int) -> None:
+    values = np.array([e.objectives[position] if e.feasible else np.nan for e in evaluations])
+    sign = -1.0 if problem.objectives[position].maximised else 1.0
+    numbers = np.arange(1.0, values.size + 1.0)
+    if np.isfinite(values).any():
+        limit = upper_limit(values[np.isfinite(values)])
+        _draw_origins(axes, evaluations, numbers, sign * np.minimum(values, limit), np.greater(values, limit))
+        axes.step(
+            numbers, sign * np.fmin.accumulate(values), where="post", color="black", lw=1.6, label="best so far", zorder=4
+        )
+        if resets(evaluations):
+            best = sign * np.minimum(incumbents(evaluations, values), limit)
+            axes.step(numbers, best, where="post", color="black", lw=1.0, ls="--", label="incumbent", zorder=3)
+    _mark_resets(axes, evaluations)
+    _mark_failures(axes, evaluations)
+    axes.set(xlabel="evaluation", ylabel=_axis_label(problem.objectives[position]), xlim=(0, values.size + 1))
+    _legend(axes)
+
+
+def _draw_objective_space(axes: Axes, problem: DesignProblem, evaluations: Sequence[Evaluation]) -> None:
+    signs = np.array([-1.0 if quantity.maximised else 1.0 for quantity in problem.objectives])
+    feasible = [evaluation for evaluation in evaluations if evaluation.feasible]
+    if feasible:
+        values = np.array([evaluation.objectives for evaluation in feasible])
+        limits = np.array([upper_limit(column) for column in values.T])
+        shown = signs * np.minimum(values, limits)
+        _draw_origins(axes, feasible, shown[:, 0], shown[:, 1], np.any(values > limits, axis=1))
+        members = signs * np.array(sorted(tuple(member.objectives) for member in front(feasible)))
+        axes.step(
+            members[:, 0], members[:, 1], where="post", color="black", lw=1.4, label=f"front of {len(members)}", zorder=4
+        )
+    reference = reference_evaluation(problem, evaluations)
+    if reference is not None:
+        x, y = signs * reference.objectives
+        axes.annotate("reference", (x, y), xytext=(8, 8), textcoords="offset points", fontsize=10)
+    failed = sum(evaluation.failed for evaluation in evaluations)
+    axes.set(xlabel=_axis_label(problem.objectives[0]), ylabel=_axis_label(problem.objectives[1]))
+    axes.set_title(f"{len(evaluations)} evaluations, {failed} failed", loc="left", fontsize=10)
+    _legend(axes)
+
+
+def _draw_origins(axes: Axes, evaluations: Sequence[Evaluation], x: FloatArray, y: FloatArray, beyond: Mask) -> None:
+    origins = list(dict.fromkeys(evaluation.origin for evaluation in evaluations))
+    others = iter(OTHER_ORIGINS * len(origins))
+    of = np.array([evaluation.origin for evaluation in evaluations])
+    for origin in origins:
+        colour, marker = KNOWN_ORIGINS.get(origin) or next(others)
+        inside = (of == origin) & ~beyond
+        size = 110 if marker == "*" else 22
+        axes.scatter(
+            x[inside],
+            y[inside],
+            s=size,
+            c=colour,
+            marker=marker,
+            linewidths=0,
+            label=f"{origin} ({sum(of == origin)})",
+            zorder=5,
+        )
+        axes.scatter(
+            x[(of == origin) & beyond], y[(of == origin) & beyond], s=22, c=colour, marker=6, linewidths=0, zorder=5
+        )
+
+
+def _mark_resets(axes: Axes, evaluations: Sequence[Evaluation]) -> None:
+    for number in resets(evaluations):
+        axes.axvline(number - 0.5, color="#CC79A7", lw=1.0)
+        axes.annotate(
+            f"reset at {number}",
+            (number - 0.5, 1.0),
+            xycoords=("data", "axes fraction"),
+            xytext=(3, -3),
+            textcoords="offset points",
+            rotation=90,
+            va="top",
+            fontsize=9,
+            color="#8C4A70",
+        )
+
+
+def _mark_failures(axes: Axes, evaluations: Sequence[Evaluation]) -> None:
+    failed = [evaluation.number + 1 for evaluation in evaluations if evaluation.failed]
+    if failed:
+        place = axes.get_xaxis_transform()
+        axes.scatter(
+            failed,
+            [0.02] * len(failed),
+            s=28,
+            c="#D55E00",
+            marker="x",
+            transform=place,
+            label=f"failed ({len(failed)})",
+            zorder=6,
+        )
+
+
+def _legend(axes: Axes) -> None:
+    axes.grid(alpha=0.3)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=10)
+
+
+def _axis_label(quantity: Quantity) -> str:
+    return f"{quantity.name} [{quantity.unit}]" if quantity.unit else quantity.name
