@@ -104,8 +104,7 @@ def mesh(p: LevelCrossingParameters):
 
 
 def couple(p: LevelCrossingParameters) -> Coupled:
-    nodes = mesh(p)
-    position, mass, pads = sleepers(p)
+    nodes, position = mesh(p), sleepers(p)[0]
     M, C, K = Triplets(), Triplets(), Triplets()
     rail_mass, EI = p.rail.density * p.rail.area, p.rail.young_modulus * p.rail.second_moment
     slab_mass, slab_EI = p.slab.density * p.slab.area, p.slab.young_modulus * p.slab.second_moment
@@ -134,6 +133,17 @@ def couple(p: LevelCrossingParameters) -> Coupled:
             both, sign = np.concatenate([rail, slab]), np.array([[1.0, -1.0], [-1.0, 1.0]])
             K.add(both, k * np.kron(sign, part))
             C.add(both, 2 * p.strip.damping_ratio * np.sqrt(k * rail_mass) * np.kron(sign, part))
+    add_sleepers(p, nodes, size, M, C, K)
+    first = size + position.size
+    add_vehicle(p, first, M, C, K)
+    total = first + 3
+    free = np.setdiff1d(np.arange(total), [0, 2 * nodes.size - 2])
+    return Coupled(M.matrix(total), C.matrix(total), K.matrix(total), free, nodes, position, size)
+
+
+def add_sleepers(p: LevelCrossingParameters, nodes, size, M, C, K):
+    """Pads, sleepers and ballast; the sleepers are numbered from `size`."""
+    position, mass, pads = sleepers(p)
     halved = 0.5 if p.railpad.reading == "full-track" else 1.0
     for i, (x, m, pad) in enumerate(zip(position, mass, pads, strict=True)):
         unknowns, row = contact(nodes, x)
@@ -143,7 +153,11 @@ def couple(p: LevelCrossingParameters) -> Coupled:
         M.add([size + i], [m])
         K.add([size + i], [p.ballast.stiffness])
         C.add([size + i], [p.ballast.damping])
-    v, first = p.vehicle, size + position.size
+
+
+def add_vehicle(p: LevelCrossingParameters, first, M, C, K):
+    """Carbody, bogie and wheelset, numbered from `first`."""
+    v = p.vehicle
     carbody = v.static_load / v.gravity - v.bogie_mass - v.wheelset_mass
     for i, m in enumerate((carbody, v.bogie_mass, v.wheelset_mass)):
         M.add([first + i], [m])
@@ -151,9 +165,6 @@ def couple(p: LevelCrossingParameters) -> Coupled:
     for i, k, c in ((0, v.secondary_stiffness, v.secondary_damping), (1, v.primary_stiffness, v.primary_damping)):
         K.add([first + i, first + i + 1], k * pair)
         C.add([first + i, first + i + 1], c * pair)
-    total = first + 3
-    free = np.setdiff1d(np.arange(total), [0, 2 * nodes.size - 2])
-    return Coupled(M.matrix(total), C.matrix(total), K.matrix(total), free, nodes, position, size)
 
 
 def contact(nodes, x):
