@@ -35,6 +35,7 @@ def history_figure(problem: DesignProblem, evaluations: Sequence[Evaluation]) ->
     """Draw the history: values over evaluations for one objective; the objective space for two; a panel each for more."""
     count = len(problem.objectives)
     figure = Figure(figsize=(10.0, 4.8 if count < 3 else 1.2 + 2.4 * count), layout="constrained")
+    figure.suptitle("Search history", x=0.01, ha="left", fontsize=12, fontweight="bold")
     if count == 2:
         _draw_objective_space(figure.subplots(), problem, evaluations)
         figure.set_label(

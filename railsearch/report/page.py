@@ -34,7 +34,7 @@ h2 { font-size: 1.25rem; margin: 2.2rem 0 .6rem; }
 .lead { font-size: 1.1rem; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
-th, td { padding: .3rem .8rem .3rem 0; text-align: left; vertical-align: top; border-bottom: 1px solid #e2e2e2; }
+th, td { padding: .3rem .7rem .3rem 0; text-align: left; vertical-align: top; border-bottom: 1px solid #e2e2e2; }
 th.number, td.number { text-align: right; white-space: nowrap; }
 tr.objective td { font-weight: 600; }
 figure { margin: 1rem 0 2rem; }
@@ -116,9 +116,10 @@ def _quantities(document: Mapping[str, Any]) -> str:
     for quantity in {q["name"]: q for q in (*problem["objectives"], *problem["metrics"])}.values():
         name, gain = quantity["name"], document["improvement"].get(quantity["name"])
         values = [readable(_value(document[which], name)) for which in ("reference", "best")]
-        rows.append([name, quantity["meaning"], quantity["unit"], *values, "" if gain is None else f"{gain:+.1f} %"])
+        better = "" if gain is None else f"{gain:+.1f} %"
+        rows.append([_labelled(quantity), *values, better, quantity["meaning"]])
         marked.append(name in _searched(document))
-    table = _table(["quantity", "meaning", "unit", "reference", "best", "better by"], rows, numbers=(3, 4, 5), marked=marked)
+    table = _table(["quantity", "reference", "best", "better by", "meaning"], rows, numbers=(1, 2, 3), marked=marked)
     return table + "<p>In bold what was searched for. “Better by” is in per cent of the reference design's value.</p>"
 
 
@@ -129,15 +130,13 @@ def _variables(document: Mapping[str, Any]) -> str:
         designs = [
             document[which]["design"][variable["name"]] if document[which] else None for which in ("reference", "best")
         ]
-        rows.append([variable["name"], variable["meaning"], variable["unit"], bounds, *map(readable, designs)])
-    return _table(["variable", "meaning", "unit", "range", "reference", "best"], rows, numbers=(3, 4, 5))
+        rows.append([_labelled(variable), *map(readable, designs), bounds, variable["meaning"]])
+    return _table(["variable", "reference", "best", "range", "meaning"], rows, numbers=(1, 2, 3))
 
 
 def _front(document: Mapping[str, Any]) -> str:
     problem = document["problem"]
-    titles = [
-        f"{q['name']} [{q['unit']}]" if q["unit"] else q["name"] for q in (*problem["objectives"], *problem["variables"])
-    ]
+    titles = [_labelled(quantity) for quantity in (*problem["objectives"], *problem["variables"])]
     members = sorted(document["front"], key=lambda member: list(member["objectives"].values()))
     rows = [
         [member["number"], *map(readable, member["objectives"].values()), *map(readable, member["design"].values())]
@@ -214,6 +213,11 @@ def _table(titles: Sequence[str], rows: Iterable[Row], numbers: Iterable[int] = 
     return (
         f'<div class="scroll"><table><thead><tr>{line(titles, "th")}</tr></thead>\n<tbody>\n{body}\n</tbody></table></div>'
     )
+
+
+def _labelled(quantity: Mapping[str, Any]) -> str:
+    """A name with its unit in brackets."""
+    return f"{quantity['name']} [{quantity['unit']}]" if quantity["unit"] else str(quantity["name"])
 
 
 def _value(evaluation: Mapping[str, Any] | None, name: str) -> float | None:

@@ -1,0 +1,175 @@
+import math
+import re
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Callable
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from conftest import Answer
+from railsearch.interfaces import Evaluation
+from railsearch.report import write_figures, write_report
+from railsearch.report.figures import drawn
+from railsearch.report.history import history_figure, incumbents, resets, upper_limit
+from sample_problems import Sphere, TwoObjectives
+from test_cli import sample_problems
+
+VOID = {"meta", "br", "img", "link"}
+
+
+def evaluation(number: int, value: float, origin: str = "perturbation", trajectory: int = 0, reason: str = "") -> Evaluation:
+    design = np.array([number / 10.0, 0.0, 0.0, 0.0])
+    return Evaluation(number, design, np.array([value]), np.empty(0), {}, origin, trajectory, reason)
+
+
+HISTORY = [
+    evaluation(0, 5.0, "given"),
+    evaluation(1, 900.0, "initial"),
+    evaluation(2, 4.0, "initial"),
+    evaluation(3, math.nan, "perturbation", reason="ZeroDivisionError"),
+    evaluation(4, 3.0, "perturbation"),
+    evaluation(5, 6.0, "initial", 1),
+    evaluation(6, 5.5, "home-made", 1),
+    evaluation(7, 2.0, "tree-search", 1),
+]
+
+
+def test_the_incumbent_is_the_best_since_the_last_reset() -> None:
+    values = np.array([e.objectives[0] for e in HISTORY])
+    assert incumbents(HISTORY, values).tolist() == [5.0, 5.0, 4.0, 4.0, 3.0, 6.0, 5.5, 2.0]
+    assert resets(HISTORY) == [6]
+
+
+def test_a_bad_value_does_not_squash_the_picture() -> None:
+    values = np.append(np.linspace(1.0, 2.0, 99), 1e6)
+    assert 2.0 < upper_limit(values) < 4.0
+    assert upper_limit(np.array([1.0, 1.0])) == 1.0
+    assert upper_limit(np.linspace(0.0, 1.0, 11)) == 1.0
+
+
+def drawn_points(axes: Any) -> dict[str, list[tuple[float, float]]]:
+    points: dict[str, list[tuple[float, float]]] = {}
+    for collection in axes.collections:
+        label = collection.get_label().split(" (")[0]
+        points.setdefault(label, []).extend(map(tuple, collection.get_offsets().tolist()))
+    return points
+
+
+def test_every_evaluation_is_drawn_by_its_origin() -> None:
+    (axes,) = history_figure(Sphere(), HISTORY).axes
+    points = drawn_points(axes)
+    assert points["given"] == [(1.0, 5.0)]
+    assert (3.0, 4.0) in points["initial"]
+    assert (2.0, 900.0) not in points["initial"], "it is a triangle at the edge"
+    assert [x for x, _ in points["failed"]] == [4.0]
+    assert points["home-made"] == [(7.0, 5.5)]
+    lines = {line.get_label(): line.get_ydata() for line in axes.lines}
+    assert list(lines["best so far"]) == [5.0, 5.0, 4.0, 4.0, 3.0, 3.0, 3.0, 2.0]
+    assert list(lines["incumbent"]) == [5.0, 5.0, 4.0, 4.0, 3.0, 6.0, 5.5, 2.0]
+    assert [text.get_text() for text in axes.texts] == ["reset at 6"]
+    assert axes.get_ylabel() == "distance [m²]"
+
+
+def test_a_history_of_failures_alone_is_drawn() -> None:
+    failed = [replace(e, objectives=np.array([np.nan]), reason="no") for e in HISTORY]
+    (axes,) = history_figure(Sphere(), failed).axes
+    assert len(drawn_points(axes)["failed"]) == 8
+
+
+def test_two_objectives_are_drawn_against_each_other_with_their_front() -> None:
+    problem = TwoObjectives()
+    generator = np.random.default_rng(1)
+    evaluations = []
+    for number in range(30):
+        design = problem.space.from_unit(generator.random(4))
+        outcome = problem.simulate(design)
+        evaluations.append(Evaluation(number, design, outcome.objectives, np.empty(0), {}, "random"))
+    (axes,) = history_figure(problem, evaluations).axes
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("left [N]", "right [N·m]")
+    (line,) = axes.lines
+    x, y = np.array(line.get_xdata()), np.array(line.get_ydata())
+    assert np.all(np.diff(x) > 0.0)
+    assert np.all(np.diff(y) < 0.0)
+
+
+def test_the_same_figure_is_the_same_bytes(tmp_path: Path) -> None:
+    for folder in ("one", "two"):
+        write_figures(tmp_path / folder, {"history": history_figure(Sphere(), HISTORY)})
+    for name in ("history.svg", "history.png"):
+        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
+    ElementTree.fromstring(drawn(history_figure(Sphere(), HISTORY), "svg", "history"))
+
+
+class Page(HTMLParser):
+    """Collects tags, identifiers, references and text; complains of tags left open."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.identifiers: list[str] = []
+        self.references: list[str] = []
+        self.tags: list[str] = []
+        self.text = ""
+        self.feed(text)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        if tag not in VOID:
+            self.open.append(tag)
+        self.handle_attributes(attributes)
+
+    def handle_startendtag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self.handle_attributes(attributes)
+
+    def handle_attributes(self, attributes: list[tuple[str, str | None]]) -> None:
+        named = dict(attributes)
+        self.identifiers += [value for key, value in named.items() if key == "id" and value]
+        self.references += [value for key, value in named.items() if key in ("src", "href", "xlink:href") and value]
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.text += data
+
+
+@pytest.fixture
+def result(railsearch: Callable[..., Answer], install: Callable[..., None], tmp_path: Path) -> Path:
+    install(samples=sample_problems)
+    words = ("run", "troubled", "--strategy", "random", "--budget", 16, "--seed", 3, "--timeout", 0.4, "--out", tmp_path)
+    assert railsearch(*words).code == 0
+    return tmp_path
+
+
+def test_the_report_stands_alone_and_tells_everything(result: Path) -> None:
+    text = (result / "report.html").read_text(encoding="utf-8")
+    page = Page(text)
+    assert all(reference.startswith("#") for reference in page.references)
+    assert not re.search(r"url\((?!#)|@import|<script", text)
+    assert len(set(page.identifiers)) == len(page.identifiers)
+    assert {reference[1:] for reference in page.references} <= set(page.identifiers)
+    assert page.tags.count("svg") == page.tags.count("figcaption") == 1
+    for word in ("sphere (distance)", "16 of 16 evaluations", "distance [m²]", "stiffness [MN/m]", "Seed 3", "no ballast"):
+        assert word in page.text, word
+    assert "railsearch run troubled" in page.text
+
+
+def test_hostile_text_stays_text(result: Path) -> None:
+    import json
+
+    document = json.loads((result / "result.json").read_text(encoding="utf-8"))
+    document["problem"]["label"] = "<script>alert(1)</script>"
+    document["command"] = "railsearch run \"<img src='x'>\""
+    document["evaluations"][0]["reason"] = "</table><b>& so on"
+    write_report(result / "hostile.html", document, {})
+    page = Page((result / "hostile.html").read_text(encoding="utf-8"))
+    assert not {"script", "img", "b"} & set(page.tags)
+    assert "<script>alert(1)</script>" in page.text
+    assert "</table><b>& so on" in page.text
