@@ -50,19 +50,17 @@ class RunDirectory:
 
     def stored(self) -> dict[str, Any] | None:
         """What run.json says: {"command", "storage", "identity"}; None without a run. Raises StorageError."""
-        path = self.folder / IDENTITY_FILE
-        if not path.exists():
-            return None
-        try:
-            document: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
-            raise StorageError(f"{path} cannot be read: {error}. Use another folder") from None
-        return document
+        return _document(self.folder / IDENTITY_FILE)
+
+    def stored_result(self) -> dict[str, Any] | None:
+        """What result.json says, None without one. Raises StorageError if it cannot be read."""
+        return _document(self.result)
 
     @contextmanager
-    def claimed(self, document: Mapping[str, Any]) -> Iterator[None]:
+    def claimed(self, document: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
         """Hold the folder for the run that `document` describes, making it if need be.
 
+        Gives the document of the command that began the run.
         Raises StorageError if the folder cannot be written, belongs to another run or is in use by another process.
         """
         self._make()
@@ -73,9 +71,10 @@ class RunDirectory:
                 raise StorageError(
                     f"{self.folder} is in use by another process: wait for it, or use another folder"
                 ) from None
-            self._check(document)
-            self.write(IDENTITY_FILE, json.dumps(document, indent=1, ensure_ascii=False))
-            yield
+            begun = self._begun(document)
+            if begun is None:
+                self.write(IDENTITY_FILE, json.dumps(document, indent=1, ensure_ascii=False))
+            yield begun or document
 
     def write(self, name: str, text: str) -> None:
         """Write a file whole or not at all."""
@@ -103,12 +102,13 @@ class RunDirectory:
                 f"{self.folder}: only {free / 1e6:.1f} MB are free, a run needs {SPACE_NEEDED / 1e6:g} MB or more"
             )
 
-    def _check(self, document: Mapping[str, Any]) -> None:
+    def _begun(self, document: Mapping[str, Any]) -> dict[str, Any] | None:
+        """What run.json says, None in a new folder. Raises StorageError if that is another run."""
         stored = self.stored()
         if stored is None:
             if (self.folder / STUDY_FILE).exists():
                 raise StorageError(f"{self.folder} holds a {STUDY_FILE} but no {IDENTITY_FILE}: use another folder")
-            return
+            return None
         differences = identity_differences(stored["identity"], plain(document["identity"]))
         differences += identity_differences({"storage": stored["storage"]}, {"storage": document["storage"]})
         if differences:
@@ -117,6 +117,17 @@ class RunDirectory:
                 f"{self.folder} holds another run ({'; '.join(differences[:3])}{more}). Nothing was changed: "
                 f"use another --out, or continue that run with: {stored['command']}"
             )
+        return stored
+
+
+def _document(path: Path) -> dict[str, Any] | None:
+    if not path.exists():
+        return None
+    try:
+        document: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise StorageError(f"{path} cannot be read: {error}. Remove it or use another folder") from None
+    return document
 
 
 @contextmanager

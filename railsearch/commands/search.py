@@ -87,9 +87,9 @@ def run(
     given = _given(asked)
     identity = plain(_identity(registry, asked, settings, given))
     folder = RunDirectory(out or Path(f"{name}-{strategy}-seed{settings.seed}"))
-    command = RunCommand(_command_line(), identity)
-    document = {"command": command.line, "storage": _public(storage), "identity": identity}
-    with folder.claimed(document):
+    document = {"command": _command_line(), "storage": _public(storage), "identity": identity}
+    with folder.claimed(document) as begun:
+        command = RunCommand(begun["command"], identity)
         record = open_run(storage or folder.embedded_url, _study(asked.problem, command), asked.problem.space)
         result = _searched(registry, asked.problem, settings, given, record, folder)
         found = result_document(registry, asked.problem, command, result)
@@ -216,14 +216,13 @@ def _finish(folder: RunDirectory, problem: DesignProblem, found: dict[str, Any],
     """Write result.json, figures and report, unless this result is there already."""
     from railsearch.report import run_figures, write_figures, write_report
 
-    text = json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False)
-    if folder.report.exists() and folder.result.exists() and folder.result.read_text(encoding="utf-8") == text:
+    if folder.report.exists() and folder.stored_result() == plain(found):
         return
     messages.print("drawing the figures and the report")
     figures = run_figures(problem, result.evaluations)
     write_figures(folder.figures, figures)
     write_report(folder.report, found, figures)
-    folder.write(RESULT_FILE, text)
+    folder.write(RESULT_FILE, json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False))
     messages.print(f"wrote {folder.result}, {folder.figures}, {folder.report}")
 
 
