@@ -14,9 +14,13 @@ def study_note(problem: DesignProblem, command: RunCommand) -> str:
         f"Strategy `{identity['strategy']['name']}`, {identity['budget']} evaluations, seed {identity['seed']}. "
         "All values are stored as minimised; a maximised quantity is negated.",
         "",
+        "## Quantities",
+        "",
         "| quantity | unit | meaning |",
         "|---|---|---|",
         *(f"| {quantity.name} | {quantity.unit or '-'} | {quantity.meaning} |" for quantity in quantities(problem)),
+        "",
+        "## Variables",
         "",
         "| variable | unit | range | reference | meaning |",
         "|---|---|---|---|---|",
