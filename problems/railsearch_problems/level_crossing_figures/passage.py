@@ -82,7 +82,7 @@ class Passage:
         """Mask (s,) of the sleepers before the crossing whose energy is measured."""
         before = int(np.count_nonzero(self.sleeper_position < 0.0))
         rank = np.arange(self.sleeper_position.size)
-        return (rank < before) & (rank >= before - self.track.windows.energy_sleepers)
+        return np.asarray((rank < before) & (rank >= before - self.track.windows.energy_sleepers))
 
     def sleepers(self) -> list[Sleeper]:
         """All sleepers with their pads; the far side mirrors the approach."""

@@ -2,10 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from railsearch.space import FloatArray
 from railsearch_problems.level_crossing_figures.passage import KILO, Passage, within
@@ -68,8 +70,8 @@ def energy_figure(passages: Sequence[Passage]) -> Figure:
     _finish(figure, panels, first, (start - 0.6, first.crossing_length + BEYOND_CROSSING))
     _mark_window(panels.curves, (start - 0.3, 0.0), f"the {first.track.windows.energy_sleepers} measured sleepers")
     figure.set_label(
-        "Energy dissipated in the ballast damper under each sleeper over one passage, at the sleeper's position. E_max is the "
-        "largest minus the smallest of the measured sleepers before the crossing; those beyond it are drawn lightly."
+        "Energy dissipated in the ballast damper under each sleeper over one passage, at the sleeper's position. E_max is "
+        "the largest minus the smallest of the measured sleepers before the crossing; those beyond it are drawn lightly."
     )
     return figure
 
@@ -91,7 +93,7 @@ def _panels(passages: Sequence[Passage], title: str, quantity: str) -> tuple[Fig
     return figure, Panels(curves, ranges)
 
 
-def _draw_sleepers(axes: Axes, passage: Passage, mask: FloatArray, label: str, alpha: float) -> None:
+def _draw_sleepers(axes: Axes, passage: Passage, mask: NDArray[np.bool_], label: str, alpha: float) -> None:
     axes.plot(
         passage.sleeper_position[mask],
         passage.sleeper_energy[mask],
@@ -155,7 +157,7 @@ def _finish(figure: Figure, panels: Panels, site: Passage, limits: tuple[float, 
 def _draw_site(axes: Axes, site: Passage, limits: tuple[float, float]) -> None:
     geometry = site.track.geometry
     edges = [geometry.slab_length * number for number in range(geometry.slab_count + 1)]
-    for left, right in zip(edges[:-1], edges[1:], strict=True):
+    for left, right in pairwise(edges):
         axes.axvspan(left, right, facecolor=SLAB, edgecolor="white", lw=1.5, zorder=0)
     for interface in (edges[0], edges[-1]):
         axes.axvline(interface, color="#222222", lw=1.0, ls=":")

@@ -94,8 +94,9 @@ def zone_figure(passages: Sequence[Passage]) -> Figure:
     _draw_key(figure, sheet, passages[0])
     _draw_pad_scale(figure, sheet, norm)
     figure.set_label(
-        "Longitudinal section of the crossing for each design: the whole of it, and both interfaces enlarged. Positions, rail "
-        "and slab are to scale; pads and strip, about a centimetre thick, are drawn 0.1 m thick so that their colour can be read."
+        "Longitudinal section of the crossing for each design: the whole of it, and both interfaces enlarged. Positions, "
+        "rail and slab are to scale; pads and strip, about a centimetre thick, are drawn 0.1 m thick so that their colour "
+        "can be read."
     )
     return figure
 
@@ -203,7 +204,7 @@ def _draw_dimensions(axes: Axes, passage: Passage, side: int) -> None:
     narrow = min(passage.track.zone.sleeper_distances) < NARROW
     arrow = {"arrowstyle": "<->", "mutation_scale": 7.0, "lw": 0.8, "shrinkA": 0.0, "shrinkB": 0.0}
     axes.vlines(places, 0.0, DIMENSION_LINE + 0.04, color="#777777", lw=0.6)
-    for start, end in zip(places[:-1], places[1:], strict=True):
+    for start, end in pairwise(places):
         axes.annotate("", (start, DIMENSION_LINE), (end, DIMENSION_LINE), arrowprops=arrow)
         axes.text((start + end) / 2, DIMENSION_TEXT, f"{abs(end - start):.3g}", ha="center", va="bottom", fontsize=SMALL)
     for sleeper in near:
