@@ -1,4 +1,4 @@
-"""Pattern search (Hooke & Jeeves 1961, exploratory moves): step along one coordinate at a time, halve the step when stuck."""
+"""Pattern search: step along one coordinate at a time, halve the step when stuck (Hooke & Jeeves 1961)."""
 
 from dataclasses import dataclass
 
@@ -26,6 +26,7 @@ class PatternSearch:
         self.best, self.value, self.moves = None, np.inf, []
 
     def ask(self):
+        """Propose the next step."""
         space = self.context.space
         if self.best is None:
             return [Proposal(space.from_unit(self.context.generator.random(space.dimension)), "initial")]
@@ -39,6 +40,7 @@ class PatternSearch:
         return [Proposal(space.from_unit(np.clip(space.to_unit(self.best) + move, 0.0, 1.0)), "pattern")]
 
     def tell(self, evaluations):
+        """Move to a better design."""
         for evaluation in evaluations:
             if not evaluation.failed and evaluation.objectives[0] < self.value:
                 self.best, self.value = evaluation.design, evaluation.objectives[0]
@@ -47,4 +49,5 @@ class PatternSearch:
 
 @hookimpl
 def railsearch_strategies(register):
+    """Register the strategy."""
     register("pattern-search", PatternSearch)

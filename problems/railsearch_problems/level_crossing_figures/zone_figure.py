@@ -8,6 +8,7 @@ a centimetre thick, are drawn 0.10 m thick so that their colour can be read.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from matplotlib import colormaps
 from matplotlib.axes import Axes
