@@ -5,8 +5,10 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from railsearch.design_problem import DesignProblem
+    from railsearch.pymoo_algorithm import StrategyAlgorithm
+    from railsearch.space import FloatArray
 
-__all__ = ["problem"]
+__all__ = ["algorithm", "problem"]
 
 
 def problem(
@@ -27,3 +29,22 @@ def problem(
 
     settings = ProblemSettings(name, tuple(objectives), sections or {}, scalariser, scalariser_settings or {})
     return make_problem(load_plugins(), settings)
+
+
+def algorithm(
+    strategy: str,
+    budget: int,
+    settings: Mapping[str, object] | None = None,
+    given: "Sequence[FloatArray]" = (),
+) -> "StrategyAlgorithm":
+    """A registered strategy as a pymoo `Algorithm`, for `pymoo.optimize.minimize(problem, algorithm, seed=…)`.
+
+    It works on any pymoo problem with bounds and ends exactly at the budget. settings: those of the strategy that differ
+    from its defaults; given: designs (d,) to evaluate first. Raises PluginError for an unknown name.
+    """
+    from railsearch.plugin_manager import load_plugins
+    from railsearch.pymoo_algorithm import StrategyAlgorithm
+
+    registry = load_plugins()
+    registry.entry("strategy", strategy)
+    return StrategyAlgorithm(registry, strategy, budget, settings, given)

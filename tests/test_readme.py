@@ -56,6 +56,7 @@ def test_the_python_example_runs() -> None:
     names: dict[str, object] = {}
     exec(compile(code, "README.md", "exec"), names)
     assert np.atleast_2d(names["result"].F).shape[1] == 2  # type: ignore[attr-defined]
+    assert names["sphere"].F[0] < 1e-3  # type: ignore[attr-defined]
 
 
 def test_every_command_and_file_that_the_readme_names_exists(railsearch: Callable[..., Answer]) -> None:

@@ -1,0 +1,68 @@
+import numpy as np
+import pytest
+from pymoo.core.problem import Problem
+from pymoo.optimize import minimize
+from pymoo.problems import get_problem
+
+import railsearch
+from railsearch.errors import CapabilityError, InputError, PluginError
+from railsearch.interfaces import Outcome
+from railsearch.plugin_manager import load_plugins
+from railsearch.run import RunSettings, run_search
+from sample_problems import Sphere, Troubled, TwoObjectives
+
+
+def evaluated(result):
+    """All designs of a run under pymoo, in order."""
+    return np.vstack([entry.off.get("X") for entry in result.history])
+
+
+@pytest.mark.parametrize("strategy", ["random", "dycors", "lmsrs", "ga"])
+def test_under_pymoo_a_strategy_proposes_what_it_proposes_in_a_run(strategy):
+    given = [np.zeros(4)]
+    run = run_search(load_plugins(), Sphere(), RunSettings(strategy, 40, 3), given)
+    result = minimize(Sphere(), railsearch.algorithm(strategy, 40, given=given), seed=3, save_history=True)
+    designs = evaluated(result)
+    assert np.array_equal(designs, np.array([evaluation.design for evaluation in run.evaluations]))
+    assert result.F[0] == min(evaluation.objectives[0] for evaluation in run.evaluations)
+
+
+@pytest.mark.parametrize("strategy", ["dycors", "nsga2"])
+def test_the_budget_is_exact_on_any_pymoo_problem(strategy):
+    problem = get_problem("zdt1", n_var=6) if strategy == "nsga2" else get_problem("ackley", n_var=5)
+    result = minimize(problem, railsearch.algorithm(strategy, 53), seed=1)
+    assert result.algorithm.evaluator.n_eval == 53
+
+
+def test_dycors_under_pymoo_solves_a_sphere():
+    result = minimize(get_problem("sphere", n_var=5), railsearch.algorithm("dycors", 60), seed=1)
+    assert result.F[0] < 1e-3
+
+
+def test_constraints_are_kept_under_pymoo():
+    result = minimize(TwoObjectives(constrained=True), railsearch.algorithm("nsga2", 120), seed=1)
+    assert len(result.X) > 3
+    assert np.all(result.X[:, 0] >= 0.5)
+
+
+def test_values_that_are_not_finite_are_told_as_failures():
+    class Holed(Troubled):
+        def simulate(self, design):
+            return Outcome(np.array([np.nan])) if design[2] < 0 else Sphere.simulate(self, design)
+
+    result = minimize(Holed(), railsearch.algorithm("dycors", 30), seed=1)
+    assert result.algorithm.evaluator.n_eval == 30
+    assert np.isfinite(result.F).all()
+
+
+def test_what_cannot_be_done_is_refused():
+    with pytest.raises(PluginError, match="unknown strategy 'dycor'"):
+        railsearch.algorithm("dycor", 30)
+    with pytest.raises(InputError, match="at least 20"):
+        minimize(Sphere(), railsearch.algorithm("dycors", 19), seed=1)
+    with pytest.raises(CapabilityError, match=r"2 \(left, right\)"):
+        minimize(TwoObjectives(), railsearch.algorithm("dycors", 30), seed=1)
+    with pytest.raises(CapabilityError, match="equality constraints"):
+        minimize(Problem(2, 1, n_eq_constr=1, xl=0.0, xu=1.0), railsearch.algorithm("ga", 30), seed=1)
+    with pytest.raises(CapabilityError, match="bounds"):
+        minimize(Problem(2, 1), railsearch.algorithm("ga", 30), seed=1)
