@@ -54,5 +54,5 @@ def main() -> None:
             app.command(entry.name)(entry.plugin)
         app(prog_name="railsearch")
     except RailsearchError as error:
-        messages.print(f"railsearch: error: {error}", soft_wrap=True)
+        messages.print(f"railsearch: error: {error}")
         sys.exit(2)

@@ -85,3 +85,20 @@ def test_a_kill_around_the_making_of_the_study_leaves_a_folder_that_goes_on(tmp_
     process.wait()
     assert started(tmp_path).wait() == 0
     assert stored(tmp_path) == 34
+
+
+def test_an_interrupted_run_says_how_to_go_on(tmp_path: Path) -> None:
+    process = subprocess.Popen(
+        [*COMMAND, *WORDS, "--out", str(tmp_path)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    while stored(tmp_path) < 4:
+        assert process.poll() is None
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate()
+    assert process.returncode == 130
+    assert out == ""
+    assert "the same command goes on" in err
+    assert "Traceback" not in err
+    assert started(tmp_path).wait() == 0
+    assert stored(tmp_path) == 34
