@@ -129,7 +129,7 @@ def _of_full_rank(
     target = min(space.dimension + 1, len(designs) + len(known))
     rank = affine_rank(space.to_unit(np.vstack([known, designs])))
     for _ in range(REPAIR_ATTEMPTS):
-        if rank == target:
+        if rank == target or not len(designs):
             break
         replacement = unseen_design(space, seen, generator)
         if replacement is None:

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from railsearch.errors import InputError
@@ -70,6 +70,7 @@ def test_random_designs_take_every_integer_equally_often():
 
 
 @settings(deadline=None)
+@example(Space((Variable("k", -1, 0, integer=True),)), 0, 2, 0, 1)
 @given(spaces(), st.integers(0, 30), st.integers(0, 4), st.integers(0, 4), st.integers(0, 2**32))
 def test_initial_design_is_distinct_allowed_and_of_full_rank(space, n, n_known, n_avoided, seed):
     generator = np.random.default_rng(seed)
