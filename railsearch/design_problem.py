@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import copy
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 import numpy as np
 from pymoo.core.problem import Problem
@@ -21,7 +22,8 @@ if TYPE_CHECKING:
 class DesignProblem(Problem):  # type: ignore[misc]
     """A pymoo problem with a `Space`, named quantities and, if there is one, a reference design.
 
-    A subclass calls `super().__init__` with its description and implements `simulate(design) -> Outcome`. Under plain
+    A subclass calls `super().__init__` with its description and implements `simulate(design) -> Outcome`; one that has
+    choices (objectives, parameters of a site) implements `sections` and `make` as well. Under plain
     pymoo, designs come as float vectors (GA, NSGA-II; integers are rounded here) or as dictionaries by name
     (MixedVariableGA); F, G and the metrics are handed back.
 
@@ -65,17 +67,24 @@ class DesignProblem(Problem):  # type: ignore[misc]
 
     @classmethod
     def make(cls, host: Host, objectives: Sequence[str], sections: Mapping[str, Any]) -> DesignProblem:
-        """The problem with the named objectives (empty: its default ones) for the given sections of a site."""
-        raise NotImplementedError  # pragma: no cover
+        """The problem with the named objectives (empty: its default ones) for the given sections of a site.
+
+        As it stands it makes a problem without sections whose objectives cannot be chosen. Raises InputError.
+        """
+        made: DesignProblem = cast(Any, cls)()
+        names = [objective.name for objective in made.objectives]
+        if objectives and list(objectives) != names:
+            raise InputError(f"objectives: {made.name} always has {', '.join(names)}, received {', '.join(objectives)}")
+        return made
 
     @property
     def label(self) -> str:
         """Name and objectives, for titles and records."""
         return f"{self.name} ({', '.join(objective.name for objective in self.objectives)})"
 
+    @abstractmethod
     def simulate(self, design: FloatArray) -> Outcome:
         """The expensive part: evaluate one design (d,). Any exception counts as a failed evaluation."""
-        raise NotImplementedError  # pragma: no cover
 
     def warm_up(self) -> None:
         """Do what is done once per process (compilation), so that it counts in nobody's time."""

@@ -2,14 +2,13 @@
 
 import os
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from railsearch.design_problem import DesignProblem
-from railsearch.interfaces import Host, Outcome, Quantity
+from railsearch.interfaces import Outcome, Quantity
 from railsearch.space import FloatArray, Space, Variable
 
 MIXED = Space(
@@ -27,10 +26,6 @@ class Sphere(DesignProblem):
 
     def __init__(self) -> None:
         super().__init__("sphere", MIXED, [Quantity("distance", "m²", "squared distance")], reference=np.zeros(4))
-
-    @classmethod
-    def make(cls, host: Host, objectives: Sequence[str], sections: Mapping[str, Any]) -> DesignProblem:
-        return cls()
 
     def simulate(self, design: FloatArray) -> Outcome:
         return Outcome(np.array([np.sum((design - 1.0) ** 2)]), {"norm": float(np.linalg.norm(design))})
@@ -86,10 +81,6 @@ class TwoObjectives(DesignProblem):
             worst={"left": 50.0, "right": 80.0} if worst is None else worst,
             n_constraints=int(constrained),
         )
-
-    @classmethod
-    def make(cls, host: Host, objectives: Sequence[str], sections: Mapping[str, Any]) -> DesignProblem:
-        return cls()
 
     def simulate(self, design: FloatArray) -> Outcome:
         rest = float(np.sum(design[1:] ** 2))

@@ -181,3 +181,9 @@ def test_the_best_of_a_front_is_the_member_whose_worst_objective_is_best() -> No
     assert best(members, np.array([100.0, 4.0])) is members[2]
     assert best([made(np.nan)], None) is not None
     assert best([], None) is None
+
+
+def test_a_problem_without_choices_is_made_by_its_class() -> None:
+    assert Sphere.make(load_plugins(), ["distance"], {}).name == "sphere"
+    with pytest.raises(InputError, match="sphere always has distance, received F_max"):
+        Sphere.make(load_plugins(), ["F_max"], {})

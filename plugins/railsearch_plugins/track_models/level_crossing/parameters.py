@@ -44,14 +44,13 @@ class Geometry:
         return self.total_length - self.crossing_end
 
 
-@dataclass(frozen=True)
-class Rail:
-    """One rail 54E1."""
+class Beam:
+    """What follows from the section and material of a beam."""
 
-    young_modulus: float = parameter(210e9, unit="Pa", meaning="Young's modulus", source=PRINTED, above=0.0)
-    second_moment: float = parameter(2.337e-5, unit="m⁴", meaning="second moment of area", source=PRINTED, above=0.0)
-    area: float = parameter(6.977e-3, unit="m²", meaning="cross-section", source=PRINTED, above=0.0)
-    density: float = parameter(7800.0, unit="kg/m³", meaning="density", source=PRINTED, above=0.0)
+    young_modulus: float
+    second_moment: float
+    area: float
+    density: float
 
     @property
     def bending_stiffness(self) -> float:
@@ -62,6 +61,16 @@ class Rail:
     def mass_per_length(self) -> float:
         """ρA in kg/m."""
         return self.density * self.area
+
+
+@dataclass(frozen=True)
+class Rail(Beam):
+    """One rail 54E1."""
+
+    young_modulus: float = parameter(210e9, unit="Pa", meaning="Young's modulus", source=PRINTED, above=0.0)
+    second_moment: float = parameter(2.337e-5, unit="m⁴", meaning="second moment of area", source=PRINTED, above=0.0)
+    area: float = parameter(6.977e-3, unit="m²", meaning="cross-section", source=PRINTED, above=0.0)
+    density: float = parameter(7800.0, unit="kg/m³", meaning="density", source=PRINTED, above=0.0)
 
 
 @dataclass(frozen=True)
@@ -107,7 +116,7 @@ class Strip:
 
 
 @dataclass(frozen=True)
-class Slab:
+class Slab(Beam):
     """Half a slab of the crossing, of width (2.37 + 2.23)/4 = 1.15 m and height 0.58 m, on its subgrade."""
 
     young_modulus: float = parameter(31e9, unit="Pa", meaning="Young's modulus", source=PRINTED, above=0.0)
@@ -118,16 +127,6 @@ class Slab:
     )
     subgrade_stiffness: float = parameter(250e6, unit="N/m²", meaning="subgrade per metre", source=HALVED, above=0.0)
     subgrade_damping: float = parameter(10e3, unit="N s/m²", meaning="subgrade per metre", source=HALVED, minimum=0.0)
-
-    @property
-    def bending_stiffness(self) -> float:
-        """EI in N m²."""
-        return self.young_modulus * self.second_moment
-
-    @property
-    def mass_per_length(self) -> float:
-        """ρA in kg/m."""
-        return self.density * self.area
 
 
 @dataclass(frozen=True)
