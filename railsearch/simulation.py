@@ -2,6 +2,7 @@
 
 import multiprocessing
 import os
+import pickle
 import signal
 import threading
 from multiprocessing.connection import Connection, wait
@@ -70,6 +71,8 @@ class TimeLimited:
 
     def simulate(self, design: FloatArray) -> Outcome | str:
         """The outcome of a design (d,), or why there is none: an exception, the time limit, the death of the process."""
+        if self._process is not None and not self._process.is_alive():
+            self.close()
         connection, process = self._started()
         connection.send(design)
         return self._received(connection, process, self._timeout)
@@ -87,7 +90,7 @@ class TimeLimited:
             context = multiprocessing.get_context("spawn")
             self._connection, theirs = context.Pipe()
             self._process = context.Process(target=_serve, args=(theirs, self._problem), daemon=True)
-            self._process.start()
+            _start(self._process)
             theirs.close()
             ready = self._received(self._connection, self._process, START_SECONDS)
             if isinstance(ready, str) or self._process is None:
@@ -95,15 +98,12 @@ class TimeLimited:
         return self._connection, self._process
 
     def _received(self, connection: Connection, process: BaseProcess, seconds: float) -> Outcome | str:
-        wait([connection, process.sentinel], timeout=seconds)
-        if not connection.poll():
-            alive = process.is_alive()
+        if not wait([connection, process.sentinel], timeout=seconds):
             self.close()
-            died = f"the simulating process died (exit code {process.exitcode})"
-            return f"time limit of {seconds:g} s exceeded" if alive else died
+            return f"time limit of {seconds:g} s exceeded"
         try:
             received: Outcome | str = connection.recv()
-        except EOFError:
+        except (EOFError, OSError):
             process.join()
             self.close()
             return f"the simulating process died (exit code {process.exitcode})"
@@ -113,6 +113,16 @@ class TimeLimited:
 def simulator(problem: DesignProblem, timeout: float | None) -> Simulator:
     """The simulator for a problem: in this process without a time limit, in one of its own with one."""
     return InProcess(problem) if timeout is None else TimeLimited(problem, timeout)
+
+
+def _start(process: BaseProcess) -> None:
+    try:
+        process.start()
+    except (AttributeError, TypeError, pickle.PicklingError) as error:
+        raise InputError(
+            f"timeout: the problem cannot travel to the process that would be stopped ({error}); define its classes "
+            "at the top level of a module that can be imported"
+        ) from None
 
 
 def _serve(connection: Connection, problem: DesignProblem) -> None:

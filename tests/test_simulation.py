@@ -1,3 +1,4 @@
+import multiprocessing
 import time
 
 import numpy as np
@@ -36,6 +37,26 @@ def test_hanging_and_dying_models_are_failures_and_the_next_design_works() -> No
         assert isinstance(limited.simulate(design(1)), Outcome)
     finally:
         limited.close()
+
+
+def test_a_process_that_died_while_waiting_is_replaced() -> None:
+    limited = TimeLimited(Sphere(), timeout=5.0)
+    try:
+        assert isinstance(limited.simulate(design(0)), Outcome)
+        (child,) = multiprocessing.active_children()
+        child.kill()
+        child.join()
+        assert isinstance(limited.simulate(design(0)), Outcome)
+    finally:
+        limited.close()
+
+
+def test_a_problem_that_cannot_travel_is_refused() -> None:
+    class Local(Sphere):
+        pass
+
+    with pytest.raises(InputError, match="cannot travel"):
+        TimeLimited(Local(), timeout=5.0).warm_up()
 
 
 @pytest.mark.parametrize("timeout", [0.0, -1.0, float("nan"), float("inf")])
