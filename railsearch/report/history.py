@@ -152,6 +152,8 @@ def _mark_resets(axes: Axes, evaluations: Sequence[Evaluation]) -> None:
             va="top",
             fontsize=9,
             color="#8C4A70",
+            zorder=7,
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
         )
 
 

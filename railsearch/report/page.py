@@ -42,6 +42,11 @@ figure svg { width: 100%; height: auto; min-width: 640px; }
 figcaption { color: #444; }
 code, pre { font: 14px/1.4 ui-monospace, monospace; background: #f4f4f4; }
 pre { padding: .7rem; overflow-x: auto; white-space: pre-wrap; overflow-wrap: anywhere; }
+@media (max-width: 600px) {
+  table { font-size: 13px; }
+  th, td { padding-right: .45rem; }
+  th:last-child:not(.number), td:last-child:not(.number) { min-width: 18rem; }
+}
 @media print {
   body { max-width: none; }
   h2 { break-after: avoid; }

@@ -1,5 +1,7 @@
 """The pictures of a crossing say what the numbers say."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from matplotlib import colormaps
@@ -7,6 +9,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.patches import Polygon, Rectangle
 
 import railsearch
+from railsearch_problems.level_crossing_figures import crossing_figures
 
 REFERENCE = np.array([1120.0, 1120.0, 1120.0, 8, 6, 6, 4, 0])
 OTHER = np.array([124.0, 604.0, 509.0, 3, 6, 7, 3, 53])
@@ -131,3 +134,17 @@ def test_extreme_designs_are_drawn(problem):
     lowest, highest = problem.space.lower, problem.space.upper
     assert len(problem.figures({"reference": lowest, "best": highest})) == 3
     assert len(problem.figures({"best": highest})) == 3
+
+
+@pytest.mark.parametrize("stiffness", [300.0, 700.0, 1120.0])
+def test_the_colour_bar_has_numbers_when_all_pads_are_equal(problem, stiffness):
+    pads = problem.track.railpad
+    track = dataclasses.replace(
+        problem.track,
+        railpad=dataclasses.replace(pads, stiffness=stiffness * 1e6),
+        zone=dataclasses.replace(problem.track.zone, pad_stiffness=(stiffness * 1e6,) * 3),
+    )
+    (bar,) = [axes for axes in crossing_figures(problem.model, {"only": track})["zone"].axes if "pad" in axes.get_xlabel()]
+    low, high = bar.get_xlim()
+    rounding = 1e-9 * high
+    assert sum(low - rounding <= tick <= high + rounding for tick in bar.get_xticks()) >= 2

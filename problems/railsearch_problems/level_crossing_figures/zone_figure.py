@@ -246,16 +246,17 @@ def _draw_pad_scale(figure: Figure, sheet: Sheet, norm: LogNorm) -> None:
     bar = sheet.axes(figure, WIDTH - MARGIN - 3.1, 0.88, 3.0, 0.16)
     figure.colorbar(ScalarMappable(norm, colormaps["viridis"]), cax=bar, orientation="horizontal", ticks=_ticks(norm))
     bar.minorticks_off()
-    bar.xaxis.set_major_formatter("{x:g}")
+    bar.xaxis.set_major_formatter("{x:.4g}")
     bar.tick_params(labelsize=SMALL)
     bar.set_xlabel("pad stiffness [MN/m], logarithmic", fontsize=SMALL, labelpad=2)
 
 
 def _ticks(norm: LogNorm) -> list[float]:
-    """Numbers 1, 2, 5 times powers of ten inside the scale."""
+    """Numbers 1, 2, 5 times powers of ten inside the scale, its ends where it holds fewer than two of them."""
     low, high = float(norm.vmin or 1.0), float(norm.vmax or 1.0)
     decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
-    return [step * 10.0**decade for decade in decades for step in (1, 2, 5) if low <= step * 10.0**decade <= high]
+    inside = [step * 10.0**decade for decade in decades for step in (1, 2, 5) if low <= step * 10.0**decade <= high]
+    return inside if len(inside) > 1 else [low, high]
 
 
 def _add_box(
