@@ -12,9 +12,8 @@ demo: $(VENV)/run.stamp
 	@echo "Look into $(DEMO)/report.html, or start: $(BIN)/railsearch dashboard $(DEMO)"
 
 test: $(VENV)/test.stamp lint
-	@test -z "$(MARK)" || echo "Left out, for want of Chromium: the tests marked 'system' (named at the end as deselected)"
 	$(BIN)/pytest -n 2 --dist loadgroup -m "$(MARK)"
-	@test -z "$(MARK)" || $(BIN)/pytest --collect-only -qq -m system 2>/dev/null | sed 's/^/left out: /'
+	@test -z "$(MARK)" || $(BIN)/pytest --collect-only -q -m system 2>/dev/null | sed -n 's/^tests.*::/left out for want of Chromium: &/p'
 
 lint: $(VENV)/test.stamp
 	$(BIN)/ruff check .
