@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 TRACK_MODEL = "level-crossing"
 TENTHS = 10.0
 MEGA = 1e6
-PUBLISHED = "SNTW 2023, Table 5"
+PUBLISHED = "Shang et al. 2023"
 
 
 @dataclass(frozen=True)

@@ -1,11 +1,12 @@
 """Commands that tell what there is: list, describe, init."""
 
 import dataclasses
+import inspect
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.table import Table
+from rich.table import Column, Table
 
 from railsearch.commands.options import AsJson, messages, print_json, readable, results
 from railsearch.errors import InputError, PluginError
@@ -30,7 +31,7 @@ def list_plugins(kind: Kind = None, as_json: AsJson = False) -> None:
     if as_json:
         print_json([_entry_document(entry) for entry in entries])
         return
-    table = Table("kind", "name", "what", "from", box=None, pad_edge=False)
+    table = Table("kind", _names("name", [entry.name for entry in entries]), "what", "from", box=None, pad_edge=False)
     for entry in entries:
         origin = entry.provenance
         table.add_row(entry.kind, entry.name, entry.summary, f"{origin.distribution} {origin.version}")
@@ -77,7 +78,7 @@ def _entry_document(entry: Entry) -> dict[str, Any]:
 
 
 def _description(registry: Registry, entry: Entry) -> dict[str, Any]:
-    document = _entry_document(entry) | {"documentation": (entry.plugin.__doc__ or "").strip()}
+    document = _entry_document(entry) | {"documentation": inspect.cleandoc(entry.plugin.__doc__ or "")}
     if entry.kind == "problem":
         problem = make_problem(registry, ProblemSettings(entry.name))
         sections = entry.plugin.sections(registry).items()
@@ -129,9 +130,16 @@ def _quantities(title: str, rows: list[dict[str, Any]], reference: dict[str, Any
     return table
 
 
+def _names(title: str, names: list[str]) -> Column:
+    """A column whose entries are shown whole, because they are to be typed."""
+    return Column(title, min_width=max((len(name) for name in names), default=0), no_wrap=True)
+
+
 def _parameters(descriptions: list[Description]) -> Table:
-    table = Table("parameter", "default", "unit", "allowed", "meaning", "source", box=None, pad_edge=False)
+    table = Table(_names("parameter", [row.name for row in descriptions]), box=None, pad_edge=False)
+    for title in ("default", "unit", "allowed", "meaning", "source"):
+        table.add_column(title, overflow="fold")
     for row in descriptions:
-        default = "not given" if row.default is None else str(row.default)
+        default = "not given" if row.default is None else readable(row.default)
         table.add_row(row.name, default, row.unit, row.allowed, row.meaning, row.source)
     return table

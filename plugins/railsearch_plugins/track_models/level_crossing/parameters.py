@@ -1,6 +1,6 @@
 """Physical data of a level crossing for one rail (half track), with unit and source per field.
 
-Sources: SNTW = Shang, Nogal, Teixeira & Wolfert, Engineering Structures 282 (2023) 115740. Its printed values are for
+Shang et al. 2023 = Shang, Nogal, Teixeira & Wolfert, Engineering Structures 282 (2023) 115740. Its printed values are for
 the full track. Here the rail (one rail) and the railpads (per rail seat) are as printed and everything else is halved;
 `railpad.reading = "full-track"` halves the pads too.
 """
@@ -10,23 +10,21 @@ from dataclasses import dataclass
 
 from railsearch.parameters import parameter
 
-PRINTED = "SNTW 2023, Table 3"
-HALVED = "SNTW 2023, Table 3, halved"
-DESIGN = "SNTW 2023, reference design"
+PRINTED = "Shang et al. 2023"
+HALVED = "Shang et al. 2023, halved"
+DESIGN = "Shang et al. 2023, reference design"
 
 
 @dataclass(frozen=True)
 class Geometry:
     """Lengths along the track; the departure side is what remains of the total length."""
 
-    total_length: float = parameter(134.0, unit="m", meaning="length of the modelled track", source="SNTW 2023", above=0.0)
+    total_length: float = parameter(134.0, unit="m", meaning="length of the modelled track", source=PRINTED, above=0.0)
     approach_length: float = parameter(
-        100.0, unit="m", meaning="ballast track before the first interface", source="SNTW 2023", above=0.0
+        100.0, unit="m", meaning="ballast track before the first interface", source=PRINTED, above=0.0
     )
-    slab_length: float = parameter(
-        6.0, unit="m", meaning="length of one slab of the crossing", source="SNTW 2023", above=0.0
-    )
-    slab_count: int = parameter(2, meaning="slabs in line, not connected to one another", source="SNTW 2023", minimum=1)
+    slab_length: float = parameter(6.0, unit="m", meaning="length of one slab of the crossing", source=PRINTED, above=0.0)
+    slab_count: int = parameter(2, meaning="slabs in line, not connected to one another", source=PRINTED, minimum=1)
 
     @property
     def crossing_length(self) -> float:
@@ -95,7 +93,7 @@ class Sleeper:
     strengthened_mass: float = parameter(
         150.0, unit="kg", meaning="mass of half a strengthened sleeper", source="assumed, 300 kg halved", above=0.0
     )
-    spacing: float = parameter(0.6, unit="m", meaning="regular sleeper distance", source="SNTW 2023", above=0.0)
+    spacing: float = parameter(0.6, unit="m", meaning="regular sleeper distance", source=PRINTED, above=0.0)
 
 
 @dataclass(frozen=True)
@@ -134,10 +132,14 @@ class Vehicle:
     """A quarter of a VIRM car reduced to one wheel: carbody, bogie and wheelset in line."""
 
     carbody_mass: float = parameter(
-        7047.25, unit="kg", meaning="carbody, taken with wheel_load 'from masses'", source="SNTW 2023, 56378/8", above=0.0
+        7047.25,
+        unit="kg",
+        meaning="carbody, taken with wheel_load 'from masses'",
+        source="Shang et al. 2023, 56378/8",
+        above=0.0,
     )
-    bogie_mass: float = parameter(943.0, unit="kg", meaning="bogie", source="SNTW 2023, 3772/4", above=0.0)
-    wheelset_mass: float = parameter(909.5, unit="kg", meaning="wheelset", source="SNTW 2023, 1819/2", above=0.0)
+    bogie_mass: float = parameter(943.0, unit="kg", meaning="bogie", source="Shang et al. 2023, 3772/4", above=0.0)
+    wheelset_mass: float = parameter(909.5, unit="kg", meaning="wheelset", source="Shang et al. 2023, 1819/2", above=0.0)
     primary_stiffness: float = parameter(1222.5e3, unit="N/m", meaning="wheelset to bogie", source=HALVED, above=0.0)
     primary_damping: float = parameter(1e3, unit="N s/m", meaning="wheelset to bogie", source=HALVED, minimum=0.0)
     secondary_stiffness: float = parameter(1113.5e3, unit="N/m", meaning="bogie to carbody", source=HALVED, above=0.0)
@@ -146,12 +148,12 @@ class Vehicle:
         50e3,
         unit="N",
         meaning="static wheel load, reached by adjusting the carbody mass, or 'from masses'",
-        source="SNTW 2023, level of the force",
+        source="Shang et al. 2023, level of the force",
         above=0.0,
         choices=("from masses",),
     )
     hertz_constant: float = parameter(5.13e-8, unit="m/N^(2/3)", meaning="Hertz constant G", source=PRINTED, above=0.0)
-    gravity: float = parameter(9.8, unit="m/s²", meaning="acceleration of gravity", source="SNTW 2023", above=0.0)
+    gravity: float = parameter(9.8, unit="m/s²", meaning="acceleration of gravity", source=PRINTED, above=0.0)
 
     @property
     def static_load(self) -> float:
@@ -202,12 +204,10 @@ class Passage:
     """Motion of the wheel and discretisation in time and space."""
 
     speed: float = parameter(
-        140.0 / 3.6, unit="m/s", meaning="speed of the vehicle", source="SNTW 2023, 140 km/h", above=0.0
+        140.0 / 3.6, unit="m/s", meaning="speed of the vehicle", source="Shang et al. 2023, 140 km/h", above=0.0
     )
-    time_step: float = parameter(1e-3, unit="s", meaning="time step", source="SNTW 2023", above=0.0)
-    element_length: float = parameter(
-        0.1, unit="m", meaning="largest length of a beam element", source="SNTW 2023", above=0.0
-    )
+    time_step: float = parameter(1e-3, unit="s", meaning="time step", source=PRINTED, above=0.0)
+    element_length: float = parameter(0.1, unit="m", meaning="largest length of a beam element", source=PRINTED, above=0.0)
 
 
 @dataclass(frozen=True)
@@ -225,18 +225,16 @@ class Windows:
     """Where force and carbody acceleration, and over how many sleepers energy, are measured; edges are inclusive."""
 
     force_before: float = parameter(
-        12.0, unit="m", meaning="start of the force window before the first interface", source="SNTW 2023", minimum=0.0
+        12.0, unit="m", meaning="start of the force window before the first interface", source=PRINTED, minimum=0.0
     )
     force_after: float | None = parameter(
         None,
         unit="m",
         meaning="end of the force window after the first interface; not given: at the end of the crossing",
-        source="SNTW 2023",
+        source=PRINTED,
         minimum=0.0,
     )
-    energy_sleepers: int = parameter(
-        20, meaning="sleepers before the crossing that are measured", source="SNTW 2023", minimum=2
-    )
+    energy_sleepers: int = parameter(20, meaning="sleepers before the crossing that are measured", source=PRINTED, minimum=2)
 
 
 @dataclass(frozen=True)
