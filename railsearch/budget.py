@@ -37,8 +37,6 @@ class BudgetedEvaluator:
         store: Callable[[Evaluation], None],
         generator: np.random.Generator,
     ) -> None:
-        if isinstance(budget, bool) or not isinstance(budget, int) or budget < 1:
-            raise InputError(f"budget: an integer ≥ 1 is needed, received {budget!r}")
         self._problem = problem
         self._simulator = simulator
         self.budget = budget

@@ -159,6 +159,9 @@ class TrackModel(Protocol):
     def warm_up(self) -> None:
         """Do what is done once per process (compilation), so that it counts in no simulation's time."""
 
+    def check(self, parameters: Any) -> None:
+        """Raise InputError for parameters that are not allowed, without simulating."""
+
     def simulate(self, parameters: Any, histories: bool = False) -> Response:
         """Simulate one passage. Raises InputError for parameters not allowed, SimulationError if it diverges."""
 

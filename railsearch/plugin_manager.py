@@ -38,7 +38,7 @@ KINDS = {
     "command": "railsearch_commands",
 }
 REQUIRED = {
-    "track-model": ("Parameters", "metrics", "histories", "warm_up", "simulate"),
+    "track-model": ("Parameters", "metrics", "histories", "warm_up", "check", "simulate"),
     "surrogate": ("Parameters", "fit", "add", "predict", "gradient"),
     "strategy": ("Parameters", "capabilities", "ask", "tell"),
     "scalariser": ("Parameters", "ready", "prepare", "__call__"),

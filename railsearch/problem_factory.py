@@ -1,25 +1,32 @@
 """Make registered problems, with a site's parameters and, if wanted, a scalariser."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, cast
 
 from railsearch.design_problem import DesignProblem, ScalarisedProblem
 from railsearch.errors import CapabilityError, InputError
-from railsearch.interfaces import Scalariser
+from railsearch.interfaces import Quantity, Scalariser
 from railsearch.parameters import amend_parameters, make_parameters
 from railsearch.plugin_manager import Registry
+
+GENERAL_SECTIONS = ("worst", "given", "strategy.NAME", "scalariser.NAME")
 
 
 @dataclass(frozen=True)
 class ProblemSettings:
-    """Which problem: its name, objectives (empty: its default ones), site sections, scalariser and its settings."""
+    """Which problem: its name, objectives (empty: its default ones), site sections, scalariser and its settings.
+
+    worst: worst known values by objective, with their natural sign, in place of the problem's own.
+    """
 
     name: str
     objectives: tuple[str, ...] = ()
     sections: Mapping[str, Any] = field(default_factory=dict)
     scalariser: str | None = None
     scalariser_settings: Mapping[str, object] = field(default_factory=dict)
+    worst: Mapping[str, Any] = field(default_factory=dict)
 
 
 def checked_sections(registry: Registry, name: str, values: Mapping[str, Any], where: str) -> dict[str, Any]:
@@ -27,7 +34,8 @@ def checked_sections(registry: Registry, name: str, values: Mapping[str, Any], w
     defaults = registry.get("problem", name).sections(registry)
     for section, value in values.items():
         if section not in defaults:
-            raise InputError(f"{where}: unknown section [{section}]; problem {name} has {', '.join(defaults) or 'none'}")
+            known = ", ".join([*defaults, *GENERAL_SECTIONS])
+            raise InputError(f"{where}: unknown section [{section}]; for problem {name} there are {known}")
         if not isinstance(value, Mapping):
             raise InputError(f"{where}.{section}: a table is needed, received {value!r}")
     return {
@@ -41,13 +49,35 @@ def make_problem(registry: Registry, settings: ProblemSettings, where: str = "pa
     plugin = registry.get("problem", settings.name)
     sections = checked_sections(registry, settings.name, settings.sections, where)
     base = cast(DesignProblem, plugin.make(registry, settings.objectives, sections))
+    base.worst.update(_checked_worst(base, settings.worst, f"{where}.worst"))
     if settings.scalariser is None:
         return base
+    scalariser = registry.get("scalariser", settings.scalariser)
     if base.n_obj < 2:
         raise CapabilityError(
             f"scalariser {settings.scalariser}: two objectives or more are needed, received {base.objectives[0].name} alone"
         )
-    scalariser = registry.get("scalariser", settings.scalariser)
     parameters = make_parameters(scalariser.Parameters, settings.scalariser_settings, f"scalariser {settings.scalariser}")
     made = cast(Scalariser, scalariser(parameters, base.objectives, base.worst))
     return ScalarisedProblem(base, settings.scalariser, made)
+
+
+def natural_worst(problem: DesignProblem) -> dict[str, float]:
+    """The worst known values of a problem by objective, with their natural sign."""
+    signs = {quantity.name: -1.0 if quantity.maximised else 1.0 for quantity in _known_objectives(problem)}
+    return {name: signs[name] * value for name, value in problem.worst.items()}
+
+
+def _checked_worst(problem: DesignProblem, values: Mapping[str, Any], where: str) -> dict[str, float]:
+    """Worst values as they are minimised. Raises InputError for an unknown objective or anything but a finite number."""
+    signs = {quantity.name: -1.0 if quantity.maximised else 1.0 for quantity in _known_objectives(problem)}
+    for name, value in values.items():
+        if name not in signs:
+            raise InputError(f"{where}: unknown objective '{name}'; there are {', '.join(signs)}")
+        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+            raise InputError(f"{where}.{name}: a finite number is needed, received {value!r}")
+    return {name: signs[name] * float(value) for name, value in values.items()}
+
+
+def _known_objectives(problem: DesignProblem) -> Sequence[Quantity]:
+    return problem.available_objectives or problem.objectives

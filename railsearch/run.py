@@ -5,6 +5,7 @@ with no evaluation spent, until the record ends.
 """
 
 import functools
+import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
@@ -55,7 +56,10 @@ class MemoryRecord:
 
 @dataclass(frozen=True)
 class RunSettings:
-    """How to search: strategy and its settings, budget in evaluations, seed, designs per batch, seconds per evaluation."""
+    """How to search: strategy and its settings, budget in evaluations, seed, designs per batch, seconds per evaluation.
+
+    Raises InputError for a budget, batch or time limit that is not positive.
+    """
 
     strategy: str
     budget: int
@@ -63,6 +67,13 @@ class RunSettings:
     strategy_settings: Mapping[str, object] = field(default_factory=dict)
     batch_size: int = 1
     timeout: float | None = None
+
+    def __post_init__(self) -> None:
+        for name, value in (("budget", self.budget), ("batch", self.batch_size)):
+            if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+                raise InputError(f"{name}: an integer ≥ 1 is needed, received {value!r}")
+        if self.timeout is not None and not 0.0 < self.timeout < math.inf:
+            raise InputError(f"timeout: a positive number of seconds is needed, received {self.timeout!r}")
 
 
 @dataclass(frozen=True)
@@ -149,7 +160,7 @@ def check_capabilities(name: str, capabilities: Capabilities, problem: DesignPro
         raise CapabilityError(f"strategy {name} cannot handle integer variables, this problem has {integers}")
     if problem.n_ieq_constr and not capabilities.constraints:
         raise CapabilityError(f"strategy {name} cannot handle constraints, this problem has {problem.n_ieq_constr}")
-    if batch_size < 1 or (batch_size > 1 and not capabilities.batch):
+    if batch_size > 1 and not capabilities.batch:
         raise CapabilityError(f"strategy {name} proposes one design at a time, a batch of {batch_size} was asked for")
 
 

@@ -58,8 +58,6 @@ class TimeLimited:
     """
 
     def __init__(self, problem: DesignProblem, timeout: float) -> None:
-        if not 0.0 < timeout < float("inf"):
-            raise InputError(f"timeout: a positive number of seconds is needed, received {timeout!r}")
         self._problem = problem
         self._timeout = timeout
         self._process: BaseProcess | None = None

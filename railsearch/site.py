@@ -13,7 +13,7 @@ import numpy as np
 from railsearch.errors import InputError
 from railsearch.parameters import allowed_values, make_parameters
 from railsearch.plugin_manager import Registry
-from railsearch.problem_factory import checked_sections
+from railsearch.problem_factory import ProblemSettings, checked_sections, make_problem, natural_worst
 
 
 @dataclass(frozen=True)
@@ -23,6 +23,7 @@ class Site:
     problem: str
     sections: Mapping[str, Any] = field(default_factory=dict)
     given: tuple[Mapping[str, float], ...] = ()
+    worst: Mapping[str, Any] = field(default_factory=dict)
     strategies: Mapping[str, Mapping[str, object]] = field(default_factory=dict)
     scalarisers: Mapping[str, Mapping[str, object]] = field(default_factory=dict)
 
@@ -38,8 +39,11 @@ def read_site(path: Path, registry: Registry, problem: str) -> Site:
     given = document.pop("given", [])
     if not (isinstance(given, list) and all(isinstance(row, dict) for row in given)):
         raise InputError(f"{path}: given: tables [[given]] of variables are needed, received {given!r}")
+    worst = document.pop("worst", {})
+    if not isinstance(worst, dict):
+        raise InputError(f"{path}: worst: a table [worst] of objectives is needed, received {worst!r}")
     checked_sections(registry, problem, document, str(path))
-    return Site(problem, document, tuple(given), strategies, scalarisers)
+    return Site(problem, document, tuple(given), worst, strategies, scalarisers)
 
 
 def site_template(registry: Registry, problem: str) -> str:
@@ -51,12 +55,26 @@ def site_template(registry: Registry, problem: str) -> str:
     ]
     for section, start in registry.get("problem", problem).sections(registry).items():
         lines += _table(section, start)
+    lines += _worst_table(registry, problem)
     lines += ["", "# Designs to evaluate first, after the reference design, whose values hold where none is given."]
     lines += ["# [[given]]", "# VARIABLE = VALUE"]
     for kind in ("strategy", "scalariser"):
         for entry in registry.entries(kind):
             lines += _table(f"{kind}.{entry.name}", entry.plugin.Parameters())
     return "\n".join(lines) + "\n"
+
+
+def _worst_table(registry: Registry, problem: str) -> Iterator[str]:
+    made = make_problem(registry, ProblemSettings(problem))
+    known = natural_worst(made)
+    yield from (
+        "",
+        f"# Worst values of the objectives, for scalarisers; `railsearch sample {problem}` finds them.",
+        "[worst]",
+    )
+    for quantity in made.available_objectives or made.objectives:
+        yield f"# {quantity.meaning or quantity.name}" + (f" [{quantity.unit}]" if quantity.unit else "")
+        yield f"{quantity.name} = {known[quantity.name]!r}" if quantity.name in known else f"# {quantity.name} ="
 
 
 def _parsed(path: Path) -> dict[str, Any]:

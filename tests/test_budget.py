@@ -5,7 +5,7 @@ import pytest
 
 from railsearch.budget import REPEATS_IN_A_ROW, BudgetedEvaluator
 from railsearch.design_problem import DesignProblem
-from railsearch.errors import BudgetExhausted, InputError, PluginError, StorageError
+from railsearch.errors import BudgetExhausted, PluginError, StorageError
 from railsearch.interfaces import Evaluation, Outcome, Proposal, Quantity
 from railsearch.simulation import InProcess
 from railsearch.space import FloatArray, Space, Variable
@@ -113,9 +113,3 @@ def test_a_record_of_other_designs_is_refused() -> None:
 def test_a_proposal_outside_the_space_names_the_strategy_as_the_cause() -> None:
     with pytest.raises(PluginError, match=r"strategy proposed .* count: a whole number"):
         evaluator(Sphere(), 2).evaluate(proposal(0.0, 0.0, 0.5, 0))
-
-
-@pytest.mark.parametrize("budget", [0, -1, 1.5, True])
-def test_a_budget_is_a_positive_integer(budget: int) -> None:
-    with pytest.raises(InputError, match="budget"):
-        evaluator(Sphere(), budget)

@@ -293,6 +293,9 @@ class Steady:
     def warm_up(self):
         """Nothing to compile."""
 
+    def check(self, parameters):
+        """Everything is allowed."""
+
     def simulate(self, parameters, histories=False):
         return Response({"F_max": parameters.speed}, {"force": np.ones(3)} if histories else {})
 

@@ -109,8 +109,6 @@ class OneConstraint(Sphere):
 def test_capabilities_are_checked_before_anything_is_evaluated(registry: Registry, tmp_path: Path) -> None:
     with pytest.raises(CapabilityError, match=r"2 \(left, right\).*asf.*nsga2"):
         run_search(registry, TwoObjectives(), RunSettings("dycors", 30, 0))
-    with pytest.raises(CapabilityError, match="a batch of 0"):
-        run_search(registry, Sphere(), RunSettings("dycors", 30, 0, batch_size=0))
     with pytest.raises(CapabilityError, match="constraints, this problem has 1"):
         run_search(one_strategy(Stubborn), OneConstraint(), RunSettings("one", 30, 0))
     problem = CountingSphere(tmp_path / "calls")
@@ -119,6 +117,18 @@ def test_capabilities_are_checked_before_anything_is_evaluated(registry: Registr
     with pytest.raises(InputError, match="strategy dycors: unknown parameter 'sigma'"):
         run_search(registry, problem, RunSettings("dycors", 30, 0, {"sigma": 1.0}))
     assert problem.calls == 0
+
+
+@pytest.mark.parametrize("budget", [0, -1, 1.5, True])
+def test_a_budget_is_a_positive_integer(budget: int) -> None:
+    with pytest.raises(InputError, match="budget: an integer ≥ 1"):
+        RunSettings("random", budget, 0)
+
+
+@pytest.mark.parametrize("timeout", [0.0, -1.0, float("nan"), float("inf")])
+def test_a_time_limit_is_positive(timeout: float) -> None:
+    with pytest.raises(InputError, match="timeout: a positive number"):
+        RunSettings("random", 5, 0, timeout=timeout)
 
 
 def test_batches_are_proposed_and_the_budget_is_still_exact(registry: Registry) -> None:

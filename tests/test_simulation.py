@@ -57,9 +57,3 @@ def test_a_problem_that_cannot_travel_is_refused() -> None:
 
     with pytest.raises(InputError, match="cannot travel"):
         TimeLimited(Local(), timeout=5.0).warm_up()
-
-
-@pytest.mark.parametrize("timeout", [0.0, -1.0, float("nan"), float("inf")])
-def test_a_time_limit_is_positive(timeout: float) -> None:
-    with pytest.raises(InputError, match="timeout"):
-        simulator(Sphere(), timeout)

@@ -56,6 +56,7 @@ def asked_problem(
         site.sections,
         scalariser,
         site.scalarisers.get(scalariser or "", {}),
+        site.worst,
     )
     return Asked(make_problem(registry, settings, str(parameters or "parameters")), settings, site)
 

@@ -32,9 +32,9 @@ from railsearch.design_problem import DesignProblem
 from railsearch.errors import InputError, StorageError
 from railsearch.parameters import make_parameters
 from railsearch.plugin_manager import Registry, load_plugins
-from railsearch.problem_factory import ProblemSettings, checked_sections, make_problem
+from railsearch.problem_factory import ProblemSettings, checked_sections, make_problem, natural_worst
 from railsearch.result import RunCommand, result_document
-from railsearch.run import RunResult, RunSettings, run_search
+from railsearch.run import RunResult, RunSettings, make_strategy, run_search
 from railsearch.run_directory import RESULT_FILE, RunDirectory
 from railsearch.seeding import checked_seed
 from railsearch.space import FloatArray
@@ -85,6 +85,7 @@ def run(
         strategy, budget, _seed(seed, out), _strategy_settings(registry, asked, strategy, assigned), batch, timeout
     )
     given = _given(asked)
+    make_strategy(registry, asked.problem, settings, len(given))
     identity = plain(_identity(registry, asked, settings, given))
     folder = RunDirectory(out or Path(f"{name}-{strategy}-seed{settings.seed}"))
     document = {"command": _command_line(), "storage": _public(storage), "identity": identity}
@@ -168,6 +169,7 @@ def _identity(registry: Registry, asked: Asked, settings: RunSettings, given: li
         "seed": settings.seed,
         "batch": settings.batch_size,
         "given": [problem.space.named(design) for design in given],
+        "worst": natural_worst(problem.simulated),
         "sections": {section: dataclasses.asdict(values) for section, values in sections.items()},
     }
 
@@ -175,7 +177,12 @@ def _identity(registry: Registry, asked: Asked, settings: RunSettings, given: li
 def _problem_of(registry: Registry, identity: Mapping[str, Any]) -> DesignProblem:
     scalariser = identity["scalariser"] or {"name": None, "settings": {}}
     settings = ProblemSettings(
-        identity["problem"], tuple(identity["objectives"]), identity["sections"], scalariser["name"], scalariser["settings"]
+        identity["problem"],
+        tuple(identity["objectives"]),
+        identity["sections"],
+        scalariser["name"],
+        scalariser["settings"],
+        identity["worst"],
     )
     return make_problem(registry, settings, "run.json")
 

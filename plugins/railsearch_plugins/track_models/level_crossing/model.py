@@ -35,6 +35,10 @@ class LevelCrossing:
         """Compile the kernels by a passage over a short crossing."""
         self.simulate(LevelCrossingParameters(geometry=Geometry(40.0, 16.0, 6.0, 1)))
 
+    def check(self, parameters: LevelCrossingParameters) -> None:
+        """Raise InputError for parameters that are not allowed or do not fit together."""
+        checked(parameters)
+
     def simulate(self, parameters: LevelCrossingParameters, histories: bool = False) -> Response:
         """Simulate one passage, from static equilibrium with the wheel on the left end of the track.
 
