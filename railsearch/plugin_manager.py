@@ -88,9 +88,9 @@ class Registry:
             return self._entries[kind, name]
         known = [entry.name for entry in self.entries(kind)]
         close = difflib.get_close_matches(name, known, n=1)
-        hint = f"did you mean '{close[0]}'? " if close else ""
+        hint = f", did you mean '{close[0]}'?" if close else ""
         broken = f" Not loaded: {'; '.join(self.warnings)}" if self.warnings else ""
-        raise PluginError(f"unknown {kind} '{name}': {hint}There are {', '.join(known) or 'none'}.{broken}")
+        raise PluginError(f"unknown {kind} '{name}'{hint}; known: {', '.join(known) or 'none'}.{broken}")
 
     def get(self, kind: str, name: str) -> Any:
         """The plugin of that kind and name. Raises PluginError if it is unknown."""

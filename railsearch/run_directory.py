@@ -78,18 +78,7 @@ class RunDirectory:
 
     def write(self, name: str, text: str) -> None:
         """Write a file whole or not at all."""
-        with writing(self.folder):
-            descriptor, temporary = tempfile.mkstemp(dir=self.folder, prefix=f".{name}.")
-            try:
-                with os.fdopen(descriptor, "w", encoding="utf-8") as file:
-                    file.write(text)
-                    file.flush()
-                    os.fsync(file.fileno())
-                os.chmod(temporary, 0o644)
-                os.replace(temporary, self.folder / name)
-            except BaseException:
-                Path(temporary).unlink(missing_ok=True)
-                raise
+        write_whole(self.folder / name, text.encode("utf-8"))
 
     def _make(self) -> None:
         with writing(self.folder):
@@ -109,6 +98,11 @@ class RunDirectory:
             if (self.folder / STUDY_FILE).exists():
                 raise StorageError(f"{self.folder} holds a {STUDY_FILE} but no {IDENTITY_FILE}: use another folder")
             return None
+        if stored["storage"] is None and self.result.exists() and not (self.folder / STUDY_FILE).exists():
+            raise StorageError(
+                f"{self.folder} holds a finished {RESULT_FILE}, but its record {STUDY_FILE} is gone: bring it back, or use "
+                "another --out"
+            )
         differences = identity_differences(stored["identity"], plain(document["identity"]))
         differences += identity_differences({"storage": stored["storage"]}, {"storage": document["storage"]})
         if differences:
@@ -130,6 +124,22 @@ def _document(path: Path) -> dict[str, Any] | None:
     return document
 
 
+def write_whole(path: Path, content: bytes) -> None:
+    """Write a file whole or not at all. Raises StorageError if it cannot be written."""
+    with writing(path):
+        descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+        try:
+            with os.fdopen(descriptor, "wb") as file:
+                file.write(content)
+                file.flush()
+                os.fsync(file.fileno())
+            os.chmod(temporary, 0o644)
+            os.replace(temporary, path)
+        except BaseException:
+            Path(temporary).unlink(missing_ok=True)
+            raise
+
+
 @contextmanager
 def writing(place: Path) -> Iterator[None]:
     """Turn a failure to write into a StorageError that says what to do."""
@@ -137,6 +147,6 @@ def writing(place: Path) -> Iterator[None]:
         yield
     except OSError as error:
         raise StorageError(
-            f"{place} cannot be written: {error.strerror or error}. Make space or use a folder that you may write to, "
-            "then repeat the command: finished evaluations are kept"
+            f"{place} cannot be written: {error.strerror or error}. Make space or use a place that you may write to, then "
+            "repeat the command; what was finished before is kept"
         ) from error

@@ -109,8 +109,8 @@ class Space:
         for name, value in changes.items():
             if name not in self.names:
                 close = difflib.get_close_matches(name, self.names, n=1)
-                hint = f"; did you mean '{close[0]}'?" if close else ""
-                raise InputError(f"unknown variable '{name}'{hint} The variables are {', '.join(self.names)}")
+                hint = f", did you mean '{close[0]}'?" if close else ""
+                raise InputError(f"unknown variable '{name}'{hint}; the variables are {', '.join(self.names)}")
             vector[self.names.index(name)] = value
         return self.checked(vector)
 
@@ -129,7 +129,7 @@ class Space:
 def _check_value(variable: Variable, value: float) -> None:
     unit = f" {variable.unit}" if variable.unit else ""
     if not math.isfinite(value):
-        raise InputError(f"variable {variable.name}: a finite number is needed, received {value!r}")
+        raise InputError(f"variable {variable.name}: a finite number is needed, received {float(value)!r}")
     if variable.integer and value != round(value):
         raise InputError(f"variable {variable.name}: a whole number is needed, received {value:g}{unit}")
     if not variable.lower <= value <= variable.upper:

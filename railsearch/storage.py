@@ -7,6 +7,7 @@ whole evaluations and nothing else. There is one writer per study.
 import datetime
 import json
 import math
+import os
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -18,14 +19,15 @@ import optuna
 from optuna.distributions import BaseDistribution, FloatDistribution, IntDistribution
 from optuna.study import StudyDirection
 from optuna.trial import FrozenTrial, TrialState, create_trial
-from sqlalchemy.exc import SQLAlchemyError
+from sqlalchemy.engine import make_url
+from sqlalchemy.exc import ArgumentError, SQLAlchemyError
 
-from railsearch.errors import StorageError
+from railsearch.errors import InputError, StorageError
 from railsearch.interfaces import Evaluation
 from railsearch.space import Space
 
 IDENTITY = "railsearch"
-OWN_ATTRIBUTES = ("origin", "trajectory", "reason", "duration [s]", "overhead [s]")
+OWN_ATTRIBUTES = ("evaluation", "origin", "trajectory", "reason", "duration [s]", "overhead [s]")
 
 
 @dataclass(frozen=True)
@@ -92,26 +94,61 @@ class RunStorage:
         )
 
 
-def open_run(url: str, description: StudyDescription, space: Space) -> RunStorage:
-    """Open the study of a run at an Optuna storage URL, or make it.
+def storage_url(url: str) -> str:
+    """An Optuna storage URL with the path of an SQLite file made absolute. Raises InputError if it is none."""
+    try:
+        parsed = make_url(url)
+    except ArgumentError:
+        raise InputError(
+            f"--storage: an URL such as sqlite:///FILE or postgresql://USER@HOST/NAME is needed, received {url!r}"
+        ) from None
+    if parsed.drivername.startswith("sqlite") and parsed.database:
+        parsed = parsed.set(database=os.path.abspath(parsed.database))
+    return parsed.render_as_string(hide_password=False)
 
-    Raises StorageError if the storage cannot be opened, or holds under that name a run with another identity.
+
+def without_password(url: str) -> str:
+    """A storage URL that can be shown; what is no URL stays as it is."""
+    try:
+        return make_url(url).render_as_string(hide_password=True)
+    except ArgumentError:
+        return url
+
+
+def open_run(url: str, description: StudyDescription, space: Space, create: bool = True) -> RunStorage:
+    """Open the study of a run at an Optuna storage URL, or make it if `create`.
+
+    Raises StorageError if the storage cannot be opened, or holds under that name no run or one with another identity.
     """
-    with _readable(url):
+    shown = without_password(url)
+    if not create:
+        check_storage(url)
+    with _readable(shown):
         storage = optuna.storages.get_storage(url)
         known = description.name in optuna.get_all_study_names(storage)
         if known:
             study = optuna.load_study(study_name=description.name, storage=storage)
+        elif not create:
+            raise StorageError(f"{shown} holds no study '{description.name}'")
         else:
             directions = [StudyDirection.MINIMIZE] * len(description.objective_names)
             study = optuna.create_study(storage=storage, study_name=description.name, directions=directions)
         stored = study.user_attrs.get(IDENTITY)
     if stored is not None or (known and study.get_trials(deepcopy=False)):
-        _check_identity(stored or {}, description, url)
+        _check_identity(stored or {}, description, shown)
     else:
-        with _writable(url, 0):
+        with _writable(shown, 0):
             _describe(study, description)
-    return RunStorage(study, space, description.n_constraints, url)
+    return RunStorage(study, space, description.n_constraints, shown)
+
+
+def check_storage(url: str) -> None:
+    """Raise StorageError if the storage is an SQLite file that does not exist: opening it would make one."""
+    parsed = make_url(url)
+    if parsed.drivername.startswith("sqlite") and parsed.database and not os.path.exists(parsed.database):
+        raise StorageError(
+            f"there is no record at {without_password(url)}: bring the file back, or name its place with --storage"
+        )
 
 
 def identity_differences(stored: Mapping[str, Any], wanted: Mapping[str, Any], prefix: str = "") -> list[str]:
@@ -163,6 +200,7 @@ def _distributions(space: Space) -> dict[str, BaseDistribution]:
 
 def _attributes(evaluation: Evaluation) -> dict[str, Any]:
     own: dict[str, Any] = {
+        "evaluation": evaluation.number + 1,
         "origin": evaluation.origin,
         "trajectory": evaluation.trajectory,
         "duration [s]": evaluation.duration,

@@ -30,8 +30,8 @@ def study_note(problem: DesignProblem, command: RunCommand) -> str:
             for v in problem.space.variables
         ),
         "",
-        "Columns `origin` and `trajectory` tell how a design came about and after how many resets; "
-        "a failed trial has its `reason`.",
+        "Trial n is evaluation n + 1 of the tables and of result.json (column `evaluation`). Columns `origin` and "
+        "`trajectory` tell how a design came about and after how many resets; a failed trial has its `reason`.",
         "",
         f"    {command.line}",
     ]

@@ -66,7 +66,7 @@ def test_a_name_taken_twice_names_both_distributions(install: Callable[..., None
 
 
 def test_an_unknown_name_is_answered_with_the_known_ones() -> None:
-    with pytest.raises(PluginError, match=r"unknown strategy 'dycor': did you mean 'dycors'\? There are .*random"):
+    with pytest.raises(PluginError, match=r"unknown strategy 'dycor', did you mean 'dycors'\?; known: .*random"):
         load_plugins().get("strategy", "dycor")
 
 

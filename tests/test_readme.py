@@ -15,16 +15,34 @@ ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
-def fenced(language: str) -> str:
-    (block,) = re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
-    return str(block)
+def fenced(language: str, heading: str) -> str:
+    section = README[README.index(f"## {heading}\n") :]
+    block = re.search(rf"```{language}\n(.*?)```", section, re.DOTALL)
+    assert block is not None
+    return block[1]
+
+
+def module(name: str, heading: str) -> types.ModuleType:
+    made = types.ModuleType(name)
+    exec(compile(fenced("python", heading), f"{name}.py", "exec"), vars(made))
+    return made
 
 
 @pytest.fixture
 def jumps() -> types.ModuleType:
-    module = types.ModuleType("jumps")
-    exec(compile(fenced("python"), "jumps.py", "exec"), vars(module))
-    return module
+    return module("jumps", "Write a strategy")
+
+
+@pytest.mark.parametrize("words", [("--strategy", "nsga2"), ("--scalarise", "asf", "--strategy", "dycors")])
+def test_the_smallest_problem_runs(
+    railsearch: Callable[..., Answer], install: Callable[..., None], tmp_path: Path, words: tuple[str, ...]
+) -> None:
+    cantilever = module("cantilever", "Write a problem")
+    install(railsearch_cantilever=lambda: cantilever)
+    answer = railsearch("run", "cantilever", *words, "--budget", 40, "--seed", 1, "--out", tmp_path)
+    assert answer.code == 0, answer.err
+    assert "40 of 40 evaluations, 0 failed" in answer.out
+    assert "deflection [mm]" in answer.out
 
 
 def test_the_smallest_plugin_runs(
@@ -45,7 +63,7 @@ def test_the_smallest_plugin_passes_the_conformance_suite(jumps: types.ModuleTyp
 def test_the_package_of_the_smallest_plugin_names_its_entry_point() -> None:
     import tomllib
 
-    document = tomllib.loads(fenced("toml"))
+    document = tomllib.loads(fenced("toml", "Write a strategy"))
     assert document["project"]["entry-points"]["railsearch"] == {"jumps": "jumps"}
     assert document["tool"]["setuptools"]["py-modules"] == ["jumps"]
 

@@ -96,6 +96,25 @@ def test_two_objectives_are_drawn_against_each_other_with_their_front() -> None:
     assert np.all(np.diff(y) < 0.0)
 
 
+def test_a_wide_front_is_whole_and_its_axes_logarithmic() -> None:
+    problem = TwoObjectives()
+    left = np.geomspace(1.0, 1000.0, 20)
+    rows = [Evaluation(k, np.zeros(4), np.array([x, 3.0 + 1.0 / x]), np.empty(0), {}, "random") for k, x in enumerate(left)]
+    (axes,) = history_figure(problem, rows).axes
+    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "linear")
+    assert sorted(x for x, _ in drawn_points(axes)["random"]) == pytest.approx(left)
+
+
+def test_front_members_are_never_moved_to_the_edge() -> None:
+    dull = [Evaluation(k, np.zeros(4), np.array([50.0, 50.0 + k]), np.empty(0), {}, "random") for k in range(30)]
+    ends = [Evaluation(30, np.zeros(4), np.array([1.0, 90.0]), np.empty(0), {}, "random")]
+    ends.append(Evaluation(31, np.zeros(4), np.array([90.0, 1.0]), np.empty(0), {}, "random"))
+    (axes,) = history_figure(TwoObjectives(), dull + ends).axes
+    points = drawn_points(axes)["random"]
+    assert (1.0, 90.0) in points
+    assert (90.0, 1.0) in points
+
+
 def test_the_same_figure_is_the_same_bytes(tmp_path: Path) -> None:
     for folder in ("one", "two"):
         write_figures(tmp_path / folder, {"history": history_figure(Sphere(), HISTORY)})

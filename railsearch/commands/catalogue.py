@@ -13,7 +13,7 @@ from railsearch.errors import InputError, PluginError
 from railsearch.parameters import Description, describe_parameters
 from railsearch.plugin_manager import KINDS, Entry, Registry, load_plugins
 from railsearch.problem_factory import ProblemSettings, make_problem
-from railsearch.run_directory import writing
+from railsearch.run_directory import write_whole
 from railsearch.site import site_template
 
 Kind = Annotated[str | None, typer.Argument(metavar="[KIND]", help=f"One of {', '.join(KINDS)}; default: all.")]
@@ -67,8 +67,7 @@ def init(
         return
     if out.exists():
         raise InputError(f"--out: {out} exists and is not overwritten; choose another name")
-    with writing(out):
-        out.write_text(text, encoding="utf-8")
+    write_whole(out, text.encode("utf-8"))
     messages.print(f"wrote {out}")
 
 

@@ -1,7 +1,8 @@
 """Commands that carry out simulations without a search: simulate, evaluate, sample."""
 
 import dataclasses
-import tempfile
+import io
+import math
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -31,7 +32,7 @@ from railsearch.parameters import amend_parameters, nested
 from railsearch.plugin_manager import load_plugins
 from railsearch.result import evaluation_document, values_of
 from railsearch.run import MemoryRecord, RunSettings, run_search
-from railsearch.run_directory import writing
+from railsearch.run_directory import write_whole
 from railsearch.seeding import checked_seed
 from railsearch.site import track_section
 
@@ -50,14 +51,15 @@ def simulate(
 ) -> None:
     """Simulate one passage with a track model and print its metrics.
 
-    Parameters are SI and named as `railsearch describe TRACK_MODEL` lists them:
+    Parameters are SI and named as `railsearch describe TRACK_MODEL` lists them; a `track.` before them does no harm:
 
         railsearch simulate level-crossing --set passage.speed=30 --set zone.strengthened_sleepers=4
     """
     registry = load_plugins()
     model = registry.track_model(name)
     start = amend_parameters(model.Parameters(), track_section(parameters) if parameters else {}, str(parameters))
-    track = amend_parameters(start, nested(assignments(assigned)), "--set")
+    changes = {key.removeprefix("track."): value for key, value in assignments(assigned).items()}
+    track = amend_parameters(start, nested(changes), name)
     response = model.simulate(track, histories=histories is not None)
     if histories is not None:
         _write_histories(histories, response.histories)
@@ -96,7 +98,8 @@ def evaluate(
     table = Table("variable", "unit", "value", box=None, pad_edge=False)
     for variable in problem.space.variables:
         table.add_row(variable.name, variable.unit, readable(document["design"][variable.name]))
-    console.print(table, "", _values_table(problem.metrics or problem.objectives, values_of(problem, evaluation)))
+    console.print(table)
+    console.print(_values_table(problem.metrics or problem.objectives, values_of(problem, evaluation)))
 
 
 def sample(
@@ -108,7 +111,7 @@ def sample(
 ) -> None:
     """Evaluate random designs and print each objective's range: the worst values are what scalarisers need.
 
-    The last lines are the [worst] section of a site file.
+    What is printed is the [worst] section of a site file: add it with `>> my-site.toml`.
     """
     registry = load_plugins()
     names = [objective.name for objective in registry.get("problem", name).available_objectives]
@@ -132,10 +135,20 @@ def sample(
         row = rows[objective.name]
         cells = [readable(row[key]) for key in ("best", "median", "worst", "variation_percent")]
         table.add_row(objective.name, objective.unit, *cells)
-    results().print(table)
-    typer.echo(f"\n# {number} random designs, seed {seed}, {failed} failed\n[worst]")
-    for objective_name, row in rows.items():
-        typer.echo(f"{objective_name} = {row['worst']:.6g}")
+    console = results()
+    with console.capture() as printed:
+        console.print(table)
+    typer.echo(f"# {number} random designs, seed {seed}, {failed} failed")
+    typer.echo("\n".join(f"# {line.rstrip()}" for line in printed.get().splitlines()))
+    typer.echo("[worst]")
+    for objective in problem.objectives:
+        typer.echo(f"{objective.name} = {rounded_outward(rows[objective.name]['worst'], up=not objective.maximised):g}")
+
+
+def rounded_outward(value: float, up: bool) -> float:
+    """A value rounded to three significant digits, up or down."""
+    step = 10.0 ** (math.floor(math.log10(abs(value))) - 2) if value else 1.0
+    return float((math.ceil if up else math.floor)(value / step) * step)
 
 
 def _spread(quantity: Quantity, values: Any) -> dict[str, float]:
@@ -156,8 +169,7 @@ def _values_table(quantities: Any, values: Any) -> Table:
 def _write_histories(path: Path, histories: Any) -> None:
     if path.suffix != ".npz":
         raise InputError(f"--histories: a file name that ends with .npz is needed, received {path}")
-    with writing(path.parent), tempfile.TemporaryDirectory(dir=path.parent) as folder:
-        temporary = Path(folder) / "histories.npz"
-        np.savez_compressed(temporary, **histories)
-        temporary.replace(path)
+    content = io.BytesIO()
+    np.savez_compressed(content, **histories)
+    write_whole(path, content.getvalue())
     messages.print(f"wrote {path}: {', '.join(histories)}")

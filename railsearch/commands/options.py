@@ -1,6 +1,7 @@
 """What commands share: options, assignments, the problem that they ask for, and output."""
 
 import json
+import os
 import sys
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -32,6 +33,7 @@ Objectives = Annotated[
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print the result as JSON on standard output.")]
 
+PIPE_WIDTH = 200
 messages = Console(stderr=True, highlight=False, markup=False, soft_wrap=True)
 
 
@@ -95,8 +97,11 @@ def amended_design(problem: DesignProblem, changes: Mapping[str, Any]) -> FloatA
 
 
 def results() -> Console:
-    """Where results are printed; units in brackets are not markup."""
-    return Console(highlight=False, markup=False)
+    """Where results are printed; units in brackets are not markup, and a file or pipe has no narrow lines."""
+    console = Console(highlight=False, markup=False)
+    if not console.is_terminal and "COLUMNS" not in os.environ:
+        console.width = PIPE_WIDTH
+    return console
 
 
 def print_json(document: object) -> None:

@@ -9,8 +9,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from sqlalchemy.engine import make_url
-from sqlalchemy.exc import ArgumentError
 
 from railsearch.commands.options import (
     AsJson,
@@ -27,7 +25,7 @@ from railsearch.commands.options import (
     results,
 )
 from railsearch.commands.progress import run_progress
-from railsearch.commands.tables import result_tables
+from railsearch.commands.tables import result_tables, sentence
 from railsearch.design_problem import DesignProblem
 from railsearch.errors import InputError, StorageError
 from railsearch.parameters import make_parameters
@@ -38,7 +36,15 @@ from railsearch.run import RunResult, RunSettings, make_strategy, run_search
 from railsearch.run_directory import RESULT_FILE, RunDirectory
 from railsearch.seeding import checked_seed
 from railsearch.space import FloatArray
-from railsearch.storage import RunStorage, StudyDescription, open_run, plain
+from railsearch.storage import (
+    RunStorage,
+    StudyDescription,
+    check_storage,
+    open_run,
+    plain,
+    storage_url,
+    without_password,
+)
 from railsearch.study_note import study_note
 
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run (its --out).")]
@@ -88,10 +94,11 @@ def run(
     make_strategy(registry, asked.problem, settings, len(given))
     identity = plain(_identity(registry, asked, settings, given))
     folder = RunDirectory(out or Path(f"{name}-{strategy}-seed{settings.seed}"))
-    document = {"command": _command_line(), "storage": _public(storage), "identity": identity}
+    url = None if storage is None else storage_url(storage)
+    document = {"command": _command_line(), "storage": url and without_password(url), "identity": identity}
     with folder.claimed(document) as begun:
         command = RunCommand(begun["command"], identity)
-        record = open_run(storage or folder.embedded_url, _study(asked.problem, command), asked.problem.space)
+        record = open_run(url or folder.embedded_url, _study(asked.problem, command), asked.problem.space)
         result = _searched(registry, asked.problem, settings, given, record, folder)
         found = result_document(registry, asked.problem, command, result)
         _finish(folder, asked.problem, found, result)
@@ -106,7 +113,7 @@ def show(folder: Folder, storage: StorageUrl = None, as_json: AsJson = False) ->
     identity = stored["identity"]
     problem = _problem_of(registry, identity)
     command = RunCommand(stored["command"], identity)
-    record = open_run(_url(directory, stored, storage), _study(problem, command), problem.space)
+    record = open_run(_url(directory, stored, storage), _study(problem, command), problem.space, create=False)
     evaluations = record.load()
     for evaluation in evaluations:
         if not evaluation.failed:
@@ -125,6 +132,7 @@ def dashboard(
 
     directory = RunDirectory(folder)
     url = _url(directory, _stored(directory), storage)
+    check_storage(url)
     messages.print(f"dashboard at http://127.0.0.1:{port}/ - end it with Ctrl-C")
     try:
         run_server(url, host="127.0.0.1", port=port)
@@ -237,7 +245,11 @@ def _print_result(found: dict[str, Any], as_json: bool) -> None:
     if as_json:
         print_json(found)
     else:
-        results().print(*result_tables(found))
+        console = results()
+        for table in result_tables(found):
+            console.print(table)
+            console.print()
+        console.print(sentence(found), soft_wrap=True)
 
 
 def _stored(directory: RunDirectory) -> dict[str, Any]:
@@ -248,24 +260,14 @@ def _stored(directory: RunDirectory) -> dict[str, Any]:
 
 
 def _url(directory: RunDirectory, stored: Mapping[str, Any], storage: str | None) -> str:
-    if storage is not None or stored["storage"] is None:
-        return storage or directory.embedded_url
+    if storage is not None:
+        return storage_url(storage)
+    if stored["storage"] is None:
+        return directory.embedded_url
     url = str(stored["storage"])
     if "***" in url:
         raise StorageError(f"the record is at {url}, whose password was not kept: give it with --storage")
     return url
-
-
-def _public(url: str | None) -> str | None:
-    """A storage URL without its password."""
-    if url is None:
-        return None
-    try:
-        return make_url(url).render_as_string(hide_password=True)
-    except ArgumentError:
-        raise InputError(
-            f"--storage: an URL such as sqlite:///FILE or postgresql://USER@HOST/NAME is needed, received {url!r}"
-        ) from None
 
 
 def _command_line() -> str:
@@ -273,6 +275,6 @@ def _command_line() -> str:
     words = list(sys.argv[1:])
     for position, word in enumerate(words[:-1]):
         if word == "--storage":
-            words[position + 1] = _public(words[position + 1]) or ""
-    words = [f"--storage={_public(word[10:])}" if word.startswith("--storage=") else word for word in words]
+            words[position + 1] = without_password(words[position + 1])
+    words = [f"--storage={without_password(word[10:])}" if word.startswith("--storage=") else word for word in words]
     return shlex.join(["railsearch", *words])

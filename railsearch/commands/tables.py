@@ -11,11 +11,11 @@ FRONT_ROWS = 12
 
 
 def result_tables(found: dict[str, Any]) -> list[RenderableType]:
-    """Reference against best design: quantities with the improvement, variables, the front, and how it was found."""
-    tables: list[RenderableType] = [_quantities(found), "", _variables(found)]
+    """Reference against best design: quantities with the improvement, variables, and the front if there is one."""
+    tables: list[RenderableType] = [_quantities(found), _variables(found)]
     if len(found["problem"]["objectives"]) > 1:
-        tables += ["", _front(found)]
-    return [*tables, "", _sentence(found)]
+        tables.append(_front(found))
+    return tables
 
 
 def _quantities(found: dict[str, Any]) -> Table:
@@ -58,7 +58,8 @@ def _front(found: dict[str, Any]) -> Table:
     return table
 
 
-def _sentence(found: dict[str, Any]) -> str:
+def sentence(found: dict[str, Any]) -> str:
+    """How much was evaluated, and how the best design came about."""
     best = found["best"]
     place = f"best at evaluation {best['number']} ({best['origin']})" if best else "no feasible design"
     if len(found["problem"]["objectives"]) > 1 and best:

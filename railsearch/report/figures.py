@@ -11,7 +11,7 @@ from railsearch.design_problem import DesignProblem
 from railsearch.interfaces import Evaluation
 from railsearch.result import reference_evaluation
 from railsearch.run import best
-from railsearch.run_directory import writing
+from railsearch.run_directory import write_whole, writing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -36,8 +36,8 @@ def write_figures(folder: Path, figures: Mapping[str, Figure]) -> None:
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
         for name, figure in figures.items():
-            (folder / f"{name}.svg").write_bytes(drawn(figure, "svg", name))
-            (folder / f"{name}.png").write_bytes(drawn(figure, "png", name))
+            for kind in ("svg", "png"):
+                write_whole(folder / f"{name}.{kind}", drawn(figure, kind, name))
 
 
 def drawn(figure: Figure, kind: str, name: str) -> bytes:

@@ -29,6 +29,8 @@ KNOWN_ORIGINS = {
 OTHER_ORIGINS = (("#009E73", "s"), ("#E69F00", "v"), ("#56B4E9", "P"), ("#CC79A7", "X"))
 SHARE_SHOWN = 0.9
 ROOM = 0.6
+WIDE_RANGE = 100.0
+LABEL_BOX = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0}
 
 
 def history_figure(problem: DesignProblem, evaluations: Sequence[Evaluation]) -> Figure:
@@ -95,25 +97,39 @@ def _draw_values(axes: Axes, problem: DesignProblem, evaluations: Sequence[Evalu
 
 
 def _draw_objective_space(axes: Axes, problem: DesignProblem, evaluations: Sequence[Evaluation]) -> None:
-    signs = np.array([-1.0 if quantity.maximised else 1.0 for quantity in problem.objectives])
     feasible = [evaluation for evaluation in evaluations if evaluation.feasible]
     if feasible:
-        values = np.array([evaluation.objectives for evaluation in feasible])
-        limits = np.array([upper_limit(column) for column in values.T])
-        shown = signs * np.minimum(values, limits)
-        _draw_origins(axes, feasible, shown[:, 0], shown[:, 1], np.any(values > limits, axis=1))
-        members = signs * np.array(sorted(tuple(member.objectives) for member in front(feasible)))
-        axes.step(
-            members[:, 0], members[:, 1], where="post", color="black", lw=1.4, label=f"front of {len(members)}", zorder=4
-        )
-    reference = reference_evaluation(problem, evaluations)
-    if reference is not None:
-        x, y = signs * reference.objectives
-        axes.annotate("reference", (x, y), xytext=(8, 8), textcoords="offset points", fontsize=10)
+        _draw_feasible(axes, problem, feasible)
     failed = sum(evaluation.failed for evaluation in evaluations)
     axes.set(xlabel=_axis_label(problem.objectives[0]), ylabel=_axis_label(problem.objectives[1]))
     axes.set_title(f"{len(evaluations)} evaluations, {failed} failed", loc="left", fontsize=10)
     _legend(axes)
+
+
+def _draw_feasible(axes: Axes, problem: DesignProblem, evaluations: Sequence[Evaluation]) -> None:
+    """Points by origin, the front as a line, and the reference design by name."""
+    signs = np.array([-1.0 if quantity.maximised else 1.0 for quantity in problem.objectives])
+    values = np.array([evaluation.objectives for evaluation in evaluations])
+    members = np.array(sorted(tuple(member.objectives) for member in front(evaluations)))
+    limits = np.array([_limit(axes, row, signs[row], values[:, row]) for row in range(2)])
+    limits = np.maximum(limits, members.max(axis=0))
+    x, y = (signs * np.minimum(values, limits)).T
+    _draw_origins(axes, evaluations, x, y, np.any(values > limits, axis=1))
+    label = f"front of {len(members)}"
+    axes.step(*(signs * members).T, where="post", color="black", lw=1.4, label=label, zorder=4)
+    reference = reference_evaluation(problem, evaluations)
+    if reference is not None:
+        place = signs * np.minimum(reference.objectives, limits)
+        axes.annotate("reference", place, (8, 8), textcoords="offset points", fontsize=10, zorder=7, bbox=LABEL_BOX)
+
+
+def _limit(axes: Axes, row: int, sign: float, values: FloatArray) -> float:
+    """Where an axis of the objective space ends, for values (n,) as they are minimised; nowhere if it is logarithmic."""
+    natural = sign * values
+    if natural.min() > 0.0 and natural.max() > WIDE_RANGE * natural.min():
+        axes.set(**{"xscale" if row == 0 else "yscale": "log"})
+        return np.inf
+    return upper_limit(values)
 
 
 def _draw_origins(axes: Axes, evaluations: Sequence[Evaluation], x: FloatArray, y: FloatArray, beyond: Mask) -> None:
@@ -153,7 +169,7 @@ def _mark_resets(axes: Axes, evaluations: Sequence[Evaluation]) -> None:
             fontsize=9,
             color="#8C4A70",
             zorder=7,
-            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
+            bbox=LABEL_BOX,
         )
 
 

@@ -11,7 +11,7 @@ from string import Template
 from typing import TYPE_CHECKING, Any
 
 from railsearch.report.figures import drawn
-from railsearch.run_directory import writing
+from railsearch.run_directory import write_whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -66,9 +66,7 @@ $sections
 
 def write_report(path: Path, document: Mapping[str, Any], figures: Mapping[str, Figure]) -> None:
     """Write the report of a result document with its figures. Raises StorageError if it cannot be written."""
-    page = report_page(document, figures)
-    with writing(path):
-        path.write_text(page, encoding="utf-8")
+    write_whole(path, report_page(document, figures).encode("utf-8"))
 
 
 def report_page(document: Mapping[str, Any], figures: Mapping[str, Figure]) -> str:
