@@ -76,6 +76,11 @@ class RunDirectory:
                 self.write(IDENTITY_FILE, json.dumps(document, indent=1, ensure_ascii=False))
             yield begun or document
 
+    def withdraw(self, begun: Mapping[str, Any], document: Mapping[str, Any]) -> None:
+        """Take back the claim that `document` made, when no record could be opened for it; an earlier claim stays."""
+        if begun is document and not (self.folder / STUDY_FILE).exists():
+            (self.folder / IDENTITY_FILE).unlink()
+
     def write(self, name: str, text: str) -> None:
         """Write a file whole or not at all."""
         write_whole(self.folder / name, text.encode("utf-8"))

@@ -5,7 +5,7 @@
 | n | number of points | scalar | - | |
 | d | number of variables | scalar | - | |
 | U | points of the unit cube | (n, d) | - | |
-| l | level of a point in one coordinate, each of 0 … n − 1 taken once | (n, d) | - | McKay et al. 1979 |
+| l | level of a point in one coordinate, each of 0 … n − 1 taken once | (n, d) | - | Ye et al. 2000 |
 
 A symmetric design holds with every point u its mirror image 1 − u (Ye, Li and Sudjianto 2000).
 """
@@ -21,17 +21,6 @@ RANK_TOLERANCE = 1e-6
 
 REPAIR_ATTEMPTS = 1000
 """Random replacements tried before a design of full affine rank is given up."""
-
-
-def latin_hypercube(n_points: int, dimension: int, generator: np.random.Generator) -> FloatArray:
-    """Draw a Latin hypercube U (n, d) on the unit cube: u = (l + r)/n with l a random permutation and r uniform in [0, 1).
-
-    Raises InputError for a negative number of points or a dimension below one.
-    Source: McKay, Beckman and Conover 1979.
-    """
-    _check_size(n_points, dimension)
-    levels = generator.permuted(np.tile(np.arange(n_points)[:, None], dimension), axis=0)
-    return (levels + generator.random((n_points, dimension))) / max(n_points, 1)
 
 
 def symmetric_latin_hypercube(n_points: int, dimension: int, generator: np.random.Generator) -> FloatArray:

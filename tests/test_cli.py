@@ -250,6 +250,7 @@ def test_a_storage_url_takes_many_runs_and_refuses_a_changed_one(railsearch: Cli
     assert railsearch(*words, "--budget", 2, "--seed", 2, "--out", tmp_path / "two").code == 0
     answer = railsearch(*words, "--budget", 3, "--seed", 1, "--out", tmp_path / "three")
     refused(answer, "all.db", "budget: there 2, here 3")
+    assert not (tmp_path / "three" / "run.json").exists(), "the refused command leaves no claim behind"
     assert len(json.loads(railsearch("show", tmp_path / "two", "--json").out)["evaluations"]) == 2
 
 
@@ -294,6 +295,7 @@ def test_a_run_is_shown_from_anywhere_and_nothing_is_made_by_looking(
     monkeypatch.chdir(tmp_path / "there")
     assert "2 of 2 evaluations" in railsearch("show", "../here/one").out
     (tmp_path / "here" / "record.db").rename(tmp_path / "record.db")
+    (tmp_path / "here" / "one" / "result.json").unlink()
     refused(railsearch("show", "../here/one"), "no record at", "record.db")
     refused(railsearch("dashboard", "../here/one"), "no record at", "record.db")
     assert "2 of 2" in railsearch("show", "../here/one", "--storage", "sqlite:///../record.db").out

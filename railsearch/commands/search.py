@@ -98,7 +98,11 @@ def run(
     document = {"command": _command_line(), "storage": url and without_password(url), "identity": identity}
     with folder.claimed(document) as begun:
         command = RunCommand(begun["command"], identity)
-        record = open_run(url or folder.embedded_url, _study(asked.problem, command), asked.problem.space)
+        try:
+            record = open_run(url or folder.embedded_url, _study(asked.problem, command), asked.problem.space)
+        except StorageError:
+            folder.withdraw(begun, document)
+            raise
         result = _searched(registry, asked.problem, settings, given, record, folder)
         found = result_document(registry, asked.problem, command, result)
         _finish(folder, asked.problem, found, result)
@@ -106,20 +110,11 @@ def run(
 
 
 def show(folder: Folder, storage: StorageUrl = None, as_json: AsJson = False) -> None:
-    """Show the result of a run, complete or not, from its record."""
-    registry = load_plugins()
+    """Show the result of a run: of a complete one as it was written, of an incomplete one from its record."""
     directory = RunDirectory(folder)
     stored = _stored(directory)
-    identity = stored["identity"]
-    problem = _problem_of(registry, identity)
-    command = RunCommand(stored["command"], identity)
-    record = open_run(_url(directory, stored, storage), _study(problem, command), problem.space, create=False)
-    evaluations = record.load()
-    for evaluation in evaluations:
-        if not evaluation.failed:
-            problem.replay(evaluation)
-    result = RunResult(tuple(evaluations), len(evaluations), 0)
-    _print_result(result_document(registry, problem, command, result), as_json)
+    found = directory.stored_result() or _unfinished(directory, stored, storage)
+    _print_result(found, as_json)
 
 
 def dashboard(
@@ -250,6 +245,21 @@ def _print_result(found: dict[str, Any], as_json: bool) -> None:
             console.print(table)
             console.print()
         console.print(sentence(found), soft_wrap=True)
+
+
+def _unfinished(directory: RunDirectory, stored: Mapping[str, Any], storage: str | None) -> dict[str, Any]:
+    """The result document of a run that has not come to its end."""
+    registry = load_plugins()
+    identity = stored["identity"]
+    problem = _problem_of(registry, identity)
+    command = RunCommand(stored["command"], identity)
+    record = open_run(_url(directory, stored, storage), _study(problem, command), problem.space, create=False)
+    evaluations = record.load()
+    for evaluation in evaluations:
+        if not evaluation.failed:
+            problem.replay(evaluation)
+    result = RunResult(tuple(evaluations), len(evaluations), 0)
+    return result_document(registry, problem, command, result)
 
 
 def _stored(directory: RunDirectory) -> dict[str, Any]:
