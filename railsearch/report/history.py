@@ -2,10 +2,12 @@
 
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.markers import CARETUPBASE
 from numpy.typing import NDArray
 
 from railsearch.design_problem import DesignProblem
@@ -41,8 +43,8 @@ def history_figure(problem: DesignProblem, evaluations: Sequence[Evaluation]) ->
     if count == 2:
         _draw_objective_space(figure.subplots(), problem, evaluations)
         figure.set_label(
-            "Every evaluation by how it came about, in the space of both objectives (lower is better), and the front of "
-            "designs that no other one dominates."
+            "Every evaluation by how it came about, in the space of both objectives, and the front of designs that no "
+            "other one dominates. Triangles stand for values beyond the edge."
         )
     else:
         for axes, position in zip(figure.subplots(count, squeeze=False)[:, 0], range(count), strict=True):
@@ -139,20 +141,10 @@ def _draw_origins(axes: Axes, evaluations: Sequence[Evaluation], x: FloatArray, 
     for origin in origins:
         colour, marker = KNOWN_ORIGINS.get(origin) or next(others)
         inside = (of == origin) & ~beyond
-        size = 110 if marker == "*" else 22
-        axes.scatter(
-            x[inside],
-            y[inside],
-            s=size,
-            c=colour,
-            marker=marker,
-            linewidths=0,
-            label=f"{origin} ({sum(of == origin)})",
-            zorder=5,
-        )
-        axes.scatter(
-            x[(of == origin) & beyond], y[(of == origin) & beyond], s=22, c=colour, marker=6, linewidths=0, zorder=5
-        )
+        size, level = (110, 6) if marker == "*" else (22, 5)
+        look: dict[str, Any] = {"color": colour, "linewidths": 0, "zorder": level}
+        axes.scatter(x[inside], y[inside], s=size, marker=marker, label=f"{origin} ({sum(of == origin)})", **look)
+        axes.scatter(x[(of == origin) & beyond], y[(of == origin) & beyond], s=22, marker=CARETUPBASE, **look)
 
 
 def _mark_resets(axes: Axes, evaluations: Sequence[Evaluation]) -> None:
