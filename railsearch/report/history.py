@@ -2,12 +2,11 @@
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.markers import CARETUPBASE
 from numpy.typing import NDArray
 
 from railsearch.design_problem import DesignProblem
@@ -32,6 +31,8 @@ OTHER_ORIGINS = (("#009E73", "s"), ("#E69F00", "v"), ("#56B4E9", "P"), ("#CC79A7
 SHARE_SHOWN = 0.9
 ROOM = 0.6
 WIDE_RANGE = 100.0
+# matplotlib.markers.CARETUPBASE: a triangle that stands below its point.
+BEYOND_EDGE: Final = 6
 LABEL_BOX = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0}
 
 
@@ -144,7 +145,7 @@ def _draw_origins(axes: Axes, evaluations: Sequence[Evaluation], x: FloatArray, 
         size, level = (110, 6) if marker == "*" else (22, 5)
         look: dict[str, Any] = {"color": colour, "linewidths": 0, "zorder": level}
         axes.scatter(x[inside], y[inside], s=size, marker=marker, label=f"{origin} ({sum(of == origin)})", **look)
-        axes.scatter(x[(of == origin) & beyond], y[(of == origin) & beyond], s=22, marker=CARETUPBASE, **look)
+        axes.scatter(x[(of == origin) & beyond], y[(of == origin) & beyond], s=22, marker=BEYOND_EDGE, **look)
 
 
 def _mark_resets(axes: Axes, evaluations: Sequence[Evaluation]) -> None:
