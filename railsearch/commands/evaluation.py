@@ -3,6 +3,7 @@
 import dataclasses
 import io
 import math
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -130,19 +131,23 @@ def sample(
     if as_json:
         print_json({"problem": name, "seed": seed, "number": number, "failed": failed, "objectives": rows})
         return
+    typer.echo(f"# {number} random designs, seed {seed}, {failed} failed")
+    typer.echo(_worst_section(problem.objectives, rows))
+
+
+def _worst_section(objectives: Sequence[Quantity], rows: Mapping[str, Mapping[str, float]]) -> str:
+    """A table of the objectives' ranges in comments, and the [worst] section of a site file."""
     table = Table("objective", "unit", "best", "median", "worst", "variation [%]", box=None, pad_edge=False)
-    for objective in problem.objectives:
+    for objective in objectives:
         row = rows[objective.name]
         cells = [readable(row[key]) for key in ("best", "median", "worst", "variation_percent")]
         table.add_row(objective.name, objective.unit, *cells)
     console = results()
     with console.capture() as printed:
         console.print(table)
-    typer.echo(f"# {number} random designs, seed {seed}, {failed} failed")
-    typer.echo("\n".join(f"# {line.rstrip()}" for line in printed.get().splitlines()))
-    typer.echo("[worst]")
-    for objective in problem.objectives:
-        typer.echo(f"{objective.name} = {rounded_outward(rows[objective.name]['worst'], up=not objective.maximised):g}")
+    lines = [f"# {line.rstrip()}" for line in printed.get().splitlines()]
+    worst = {o.name: rounded_outward(rows[o.name]["worst"], up=not o.maximised) for o in objectives}
+    return "\n".join([*lines, "[worst]", *(f"{name} = {value:g}" for name, value in worst.items())])
 
 
 def rounded_outward(value: float, up: bool) -> float:
