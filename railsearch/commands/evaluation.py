@@ -112,7 +112,7 @@ def sample(
 ) -> None:
     """Evaluate random designs and print each objective's range: the worst values are what scalarisers need.
 
-    What is printed is the [worst] section of a site file: add it with `>> my-site.toml`.
+    What is printed is the [worst] section of a site file, to be put there in place of what it has.
     """
     registry = load_plugins()
     names = [objective.name for objective in registry.get("problem", name).available_objectives]
