@@ -70,8 +70,9 @@ def test_passes_through_every_point(kernel, dimension):
 @given(st.sampled_from(KERNELS), st.integers(1, 5), st.integers(0, 20), st.integers(1, 20), st.integers(0, 2**32))
 def test_points_added_one_by_one_and_in_blocks_equal_the_dense_solve(kernel, dimension, first, later, seed):
     generator = np.random.default_rng(seed)
-    points = generator.random((dimension + 1 + first + later, dimension))
-    points = 0.25 * points + 0.75 * (np.floor(points * len(points)) + 0.5) / len(points)  # apart from one another
+    count = dimension + 1 + first + later
+    levels = generator.permuted(np.tile(np.arange(count)[:, None], dimension), axis=0)
+    points = (levels + generator.uniform(0.375, 0.625, levels.shape)) / count  # apart from one another
     values, queries = generator.standard_normal(len(points)), generator.random((10, dimension))
     start = dimension + 1 + first
     model = fitted(points[:start], values[:start], kernel)
