@@ -5,7 +5,7 @@ from contextlib import contextmanager
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from railsearch.commands.options import messages, readable
+from railsearch.commands.options import messages
 from railsearch.design_problem import DesignProblem
 from railsearch.interfaces import Evaluation
 from railsearch.result import values_of
@@ -50,4 +50,9 @@ def best_so_far(problem: DesignProblem, members: list[Evaluation]) -> str:
         return f"front of {len(members)}"
     values = values_of(problem, members[0])
     shown = dict.fromkeys([*problem.objectives, *problem.simulated.objectives])
-    return ", ".join(f"{q.name} {readable(values[q.name])} {q.unit}".rstrip() for q in shown)
+    return ", ".join(f"{q.name} {_short(values[q.name])} {q.unit}".rstrip() for q in shown)
+
+
+def _short(value: float) -> str:
+    """Three significant digits, or whole thousands and more: the line has to fit a narrow terminal."""
+    return f"{value:.0f}" if abs(value) >= 1000.0 else f"{value:.3g}"

@@ -1,7 +1,8 @@
 """Ask and tell of a metric stochastic response surface search."""
 
 import itertools
-from collections.abc import Callable, Sequence
+from abc import abstractmethod
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -19,18 +20,15 @@ from .tree_search import tree_search
 class MetricSearch:
     """Initial design, candidates around the incumbent, merit, step size and restarts.
 
-    `probability` tells with which probability a coordinate is perturbed, given the trajectory. Every evaluation of the run
+    A strategy says with which probability a coordinate is perturbed, given the trajectory. Every evaluation of the run
     counts for the distance term and is not proposed again; only those since the last restart that did not fail join the
     surrogate.
     Source: Regis and Shoemaker 2007, 2013.
     """
 
-    def __init__(
-        self, context: SearchContext, parameters: MetricSearchParameters, probability: Callable[[Trajectory], float]
-    ) -> None:
+    def __init__(self, context: SearchContext, parameters: MetricSearchParameters) -> None:
         self._context = context
         self._parameters = parameters
-        self._probability = probability
         self._weights = itertools.cycle(parameters.weights)
         self._trajectory = Trajectory(0, context.budget, context.space.dimension, parameters)
         self._initial: list[FloatArray] = []
@@ -54,6 +52,10 @@ class MetricSearch:
             value = None if evaluation.failed else float(evaluation.objectives[0])
             self._evaluated[key] = evaluation.design
             self._trajectory.record(evaluation.design, space.to_unit(evaluation.design), value, repeated)
+
+    @abstractmethod
+    def _probability(self, trajectory: Trajectory) -> float:
+        """The probability with which a coordinate is perturbed."""
 
     def _proposals(self) -> list[Proposal]:
         """Proposals of the search proper; where it cannot begin or go on, new initial designs."""

@@ -1,37 +1,22 @@
 """Strategy `dycors`: dynamic coordinate search with response surface models (Regis and Shoemaker 2013)."""
 
-from collections.abc import Sequence
-
 from railsearch.hookspecs import Register, hookimpl
-from railsearch.interfaces import Capabilities, Evaluation, Proposal, SearchContext
+from railsearch.interfaces import Capabilities, SearchContext
 from railsearch_plugins.metric_search.candidates import perturbation_probability
 from railsearch_plugins.metric_search.parameters import DynamicCoordinateParameters
 from railsearch_plugins.metric_search.search import MetricSearch
 from railsearch_plugins.metric_search.trajectory import Trajectory
 
 
-class DynamicCoordinateSearch:
+class DynamicCoordinateSearch(MetricSearch):
     """Surrogate search that perturbs fewer and fewer coordinates of the incumbent as the budget runs out."""
 
     Parameters = DynamicCoordinateParameters
     capabilities = Capabilities(integers=True, batch=True)
 
     def __init__(self, context: SearchContext, parameters: DynamicCoordinateParameters) -> None:
+        super().__init__(context, parameters)
         self._p_initial = min(parameters.perturbed_coordinates / context.space.dimension, 1.0)
-        self._search = MetricSearch(context, parameters, self._probability)
-
-    @property
-    def minimum_budget(self) -> int:
-        """The size of the initial design."""
-        return self._search.minimum_budget
-
-    def ask(self) -> Sequence[Proposal]:
-        """Designs of origin `initial`, then `perturbation` or `tree-search`."""
-        return self._search.ask()
-
-    def tell(self, evaluations: Sequence[Evaluation]) -> None:
-        """Take in evaluations in their order."""
-        self._search.tell(evaluations)
 
     def _probability(self, trajectory: Trajectory) -> float:
         n_initial = trajectory.initial_size or 0
