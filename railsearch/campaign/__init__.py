@@ -1,0 +1,1 @@
+"""Campaigns: problems × strategies × repetitions on one budget, what they cost, and what they say."""
