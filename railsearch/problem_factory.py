@@ -10,6 +10,7 @@ from railsearch.errors import CapabilityError, InputError
 from railsearch.interfaces import Quantity, Scalariser
 from railsearch.parameters import amend_parameters, make_parameters
 from railsearch.plugin_manager import Registry
+from railsearch.space import FloatArray
 
 GENERAL_SECTIONS = ("worst", "given", "strategy.NAME", "scalariser.NAME")
 
@@ -60,6 +61,26 @@ def make_problem(registry: Registry, settings: ProblemSettings, where: str = "pa
     parameters = make_parameters(scalariser.Parameters, settings.scalariser_settings, f"scalariser {settings.scalariser}")
     made = cast(Scalariser, scalariser(parameters, base.objectives, base.worst))
     return ScalarisedProblem(base, settings.scalariser, made)
+
+
+def amended_design(problem: DesignProblem, changes: Mapping[str, Any]) -> FloatArray:
+    """The reference design with variables changed by name; all of them where there is no reference design."""
+    for name, value in changes.items():
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            raise InputError(f"variable {name}: a number is needed, received {value!r}")
+    if problem.reference is not None:
+        return problem.space.amended(problem.reference, changes)
+    missing = [name for name in problem.space.names if name not in changes]
+    if missing:
+        raise InputError(f"design: {problem.name} has no reference design; give values for {', '.join(missing)} as well")
+    return problem.space.amended(problem.space.lower, changes)
+
+
+def given_designs(problem: DesignProblem, given: Sequence[Mapping[str, Any]] = ()) -> list[FloatArray]:
+    """The designs that a run evaluates first: the reference design, then amendments of it, each once."""
+    designs = [] if problem.reference is None else [problem.reference]
+    designs += [amended_design(problem, changes) for changes in given]
+    return list({problem.space.key(design): design for design in designs}.values())
 
 
 def natural_worst(problem: DesignProblem) -> dict[str, float]:

@@ -58,6 +58,7 @@ class MemoryRecord:
 class RunSettings:
     """How to search: strategy and its settings, budget in evaluations, seed, designs per batch, seconds per evaluation.
 
+    initial_seed: that of the initial design where it is to be shared by runs of different seeds; default: the seed.
     Raises InputError for a budget, batch or time limit that is not positive.
     """
 
@@ -67,6 +68,7 @@ class RunSettings:
     strategy_settings: Mapping[str, object] = field(default_factory=dict)
     batch_size: int = 1
     timeout: float | None = None
+    initial_seed: int | None = None
 
     def __post_init__(self) -> None:
         for name, value in (("budget", self.budget), ("batch", self.batch_size)):
@@ -126,7 +128,7 @@ def make_strategy(registry: Registry, problem: DesignProblem, settings: RunSetti
     plugin = registry.get("strategy", settings.strategy)
     parameters = make_parameters(plugin.Parameters, settings.strategy_settings, f"strategy {settings.strategy}")
     check_capabilities(settings.strategy, plugin.capabilities, problem, settings.batch_size)
-    generators = run_generators(settings.seed)
+    generators = run_generators(settings.seed, settings.initial_seed)
     context = SearchContext(
         space=problem.space,
         n_objectives=problem.n_obj,

@@ -1,5 +1,6 @@
-"""Randomness handed in: every generator of a run is spawned from one recorded seed."""
+"""Randomness handed in: every generator of a run is spawned from recorded seeds."""
 
+import hashlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,7 +26,32 @@ def checked_seed(seed: int | None) -> int:
     return int(seed)
 
 
-def run_generators(seed: int) -> RunGenerators:
-    """Spawn the streams of a run. `initial` serves initial designs alone: strategies compared at one seed share them."""
-    initial, strategy, unseen = np.random.SeedSequence(seed).spawn(3)
-    return RunGenerators(np.random.default_rng(initial), np.random.default_rng(strategy), np.random.default_rng(unseen))
+def run_generators(seed: int, initial_seed: int | None = None) -> RunGenerators:
+    """Spawn the streams of a run. `initial` serves initial designs alone; runs of one initial seed share it."""
+    streams = np.random.SeedSequence(seed).spawn(3)
+    if initial_seed is not None:
+        streams[0] = np.random.SeedSequence(initial_seed).spawn(1)[0]
+    initial, strategy, unseen = map(np.random.default_rng, streams)
+    return RunGenerators(initial, strategy, unseen)
+
+
+@dataclass(frozen=True)
+class CellSeeds:
+    """The seeds of one run of a campaign; `initial_seed` is the same for all strategies."""
+
+    seed: int
+    initial_seed: int
+
+
+def cell_seeds(campaign_seed: int, problem: str, strategy: str, repetition: int) -> CellSeeds:
+    """The seeds of a cell, a pure function of the campaign's seed, the labels and the repetition: no order matters."""
+    return CellSeeds(
+        _derived(campaign_seed, "strategy", problem, strategy, repetition),
+        _derived(campaign_seed, "initial", problem, repetition),
+    )
+
+
+def _derived(seed: int, *words: str | int) -> int:
+    """A number below 2⁵³ (exact in any JSON reader) from the SHA-256 hash of a seed and words."""
+    text = "\x1f".join(map(str, (seed, *words)))
+    return int.from_bytes(hashlib.sha256(text.encode()).digest()[:8], "big") >> 11

@@ -4,7 +4,7 @@ import json
 import os
 import sys
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -15,7 +15,7 @@ from rich.console import Console
 from railsearch.design_problem import DesignProblem
 from railsearch.errors import InputError
 from railsearch.plugin_manager import Registry
-from railsearch.problem_factory import ProblemSettings, make_problem
+from railsearch.problem_factory import ProblemSettings, amended_design, make_problem
 from railsearch.site import Site, read_site
 from railsearch.space import FloatArray
 
@@ -81,19 +81,6 @@ def changed_design(problem: DesignProblem, texts: Sequence[str] | None) -> Float
     """The reference design with the assigned variables changed. Raises InputError for a name or value not allowed."""
     changes = assignments(texts)
     return amended_design(problem, changes)
-
-
-def amended_design(problem: DesignProblem, changes: Mapping[str, Any]) -> FloatArray:
-    """The reference design with variables changed by name; all of them where there is no reference design."""
-    for name, value in changes.items():
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise InputError(f"variable {name}: a number is needed, received {value!r}")
-    if problem.reference is not None:
-        return problem.space.amended(problem.reference, changes)
-    missing = [name for name in problem.space.names if name not in changes]
-    if missing:
-        raise InputError(f"design: {problem.name} has no reference design; give values for {', '.join(missing)} as well")
-    return problem.space.amended(problem.space.lower, changes)
 
 
 def results() -> Console:

@@ -1,6 +1,5 @@
 """Commands around a search: run, show, dashboard."""
 
-import dataclasses
 import json
 import shlex
 import sys
@@ -17,7 +16,6 @@ from railsearch.commands.options import (
     Objectives,
     Parameters,
     ProblemName,
-    amended_design,
     asked_problem,
     assignments,
     messages,
@@ -28,12 +26,12 @@ from railsearch.commands.progress import run_progress
 from railsearch.commands.tables import result_tables, sentence
 from railsearch.design_problem import DesignProblem
 from railsearch.errors import InputError, StorageError
-from railsearch.parameters import make_parameters
 from railsearch.plugin_manager import Registry, load_plugins
-from railsearch.problem_factory import ProblemSettings, checked_sections, make_problem, natural_worst
+from railsearch.problem_factory import given_designs
 from railsearch.result import RunCommand, result_document
 from railsearch.run import RunResult, RunSettings, make_strategy, run_search
 from railsearch.run_directory import RESULT_FILE, RunDirectory
+from railsearch.run_identity import all_settings, problem_of, run_identity
 from railsearch.seeding import checked_seed
 from railsearch.space import FloatArray
 from railsearch.storage import (
@@ -90,9 +88,9 @@ def run(
     settings = RunSettings(
         strategy, budget, _seed(seed, out), _strategy_settings(registry, asked, strategy, assigned), batch, timeout
     )
-    given = _given(asked)
+    given = given_designs(asked.problem, asked.site.given)
     make_strategy(registry, asked.problem, settings, len(given))
-    identity = plain(_identity(registry, asked, settings, given))
+    identity = plain(run_identity(registry, asked.settings, asked.problem, settings, given))
     folder = RunDirectory(out or Path(f"{name}-{strategy}-seed{settings.seed}"))
     url = None if storage is None else storage_url(storage)
     document = {"command": _command_line(), "storage": url and without_password(url), "identity": identity}
@@ -143,51 +141,7 @@ def _seed(seed: int | None, out: Path | None) -> int:
 
 def _strategy_settings(registry: Registry, asked: Asked, strategy: str, assigned: list[str] | None) -> dict[str, Any]:
     settings = {**asked.site.strategies.get(strategy, {}), **assignments(assigned)}
-    where = f"strategy {strategy}"
-    return dataclasses.asdict(make_parameters(registry.get("strategy", strategy).Parameters, settings, where))
-
-
-def _given(asked: Asked) -> list[FloatArray]:
-    """The reference design, then the site's given designs, each once."""
-    reference = asked.problem.reference
-    designs = [] if reference is None else [reference]
-    designs += [amended_design(asked.problem, changes) for changes in asked.site.given]
-    return list({asked.problem.space.key(design): design for design in designs}.values())
-
-
-def _identity(registry: Registry, asked: Asked, settings: RunSettings, given: list[FloatArray]) -> dict[str, Any]:
-    problem, name = asked.problem, asked.settings.scalariser
-    sections = checked_sections(registry, asked.settings.name, asked.settings.sections, "parameters")
-    scalariser = None
-    if name is not None:
-        plugin = registry.get("scalariser", name)
-        parameters = make_parameters(plugin.Parameters, asked.settings.scalariser_settings, f"scalariser {name}")
-        scalariser = {"name": name, "settings": dataclasses.asdict(parameters)}
-    return {
-        "problem": asked.settings.name,
-        "objectives": [objective.name for objective in problem.simulated.objectives],
-        "scalariser": scalariser,
-        "strategy": {"name": settings.strategy, "settings": dict(settings.strategy_settings)},
-        "budget": settings.budget,
-        "seed": settings.seed,
-        "batch": settings.batch_size,
-        "given": [problem.space.named(design) for design in given],
-        "worst": natural_worst(problem.simulated),
-        "sections": {section: dataclasses.asdict(values) for section, values in sections.items()},
-    }
-
-
-def _problem_of(registry: Registry, identity: Mapping[str, Any]) -> DesignProblem:
-    scalariser = identity["scalariser"] or {"name": None, "settings": {}}
-    settings = ProblemSettings(
-        identity["problem"],
-        tuple(identity["objectives"]),
-        identity["sections"],
-        scalariser["name"],
-        scalariser["settings"],
-        identity["worst"],
-    )
-    return make_problem(registry, settings, "run.json")
+    return all_settings(registry, "strategy", strategy, settings)
 
 
 def _study(problem: DesignProblem, command: RunCommand) -> StudyDescription:
@@ -251,7 +205,7 @@ def _unfinished(directory: RunDirectory, stored: Mapping[str, Any], storage: str
     """The result document of a run that has not come to its end."""
     registry = load_plugins()
     identity = stored["identity"]
-    problem = _problem_of(registry, identity)
+    problem = problem_of(registry, identity, "run.json")
     command = RunCommand(stored["command"], identity)
     record = open_run(_url(directory, stored, storage), _study(problem, command), problem.space, create=False)
     evaluations = record.load()
