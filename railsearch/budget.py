@@ -1,21 +1,20 @@
 """The counting evaluator: the only way from a proposal to the true function.
 
 It charges one evaluation per new design, refuses the one beyond the budget, answers repeated designs from memory,
-records failures as results, and, when a run is continued, answers from the record until that ends.
+records failures as results, and, when a run is continued, answers from the record what is there.
 """
 
 import math
-import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from railsearch.design_problem import DesignProblem
-from railsearch.errors import BudgetExhausted, InputError, PluginError, RailsearchError, StorageError
+from railsearch.errors import InputError, PluginError, RailsearchError, StorageError
 from railsearch.interfaces import Evaluation, Outcome, Proposal
 from railsearch.sampling import unseen_design
-from railsearch.simulation import Simulator
+from railsearch.simulation import Simulated, Simulators
 from railsearch.space import FloatArray
 
 REPEATS_IN_A_ROW = 100
@@ -24,80 +23,100 @@ REPEATS_IN_A_ROW = 100
 class BudgetedEvaluator:
     """Evaluates proposals of one run, at most `budget` different designs.
 
-    record: stored evaluations of the same run, answered first and in their order; store: called with every new
-    evaluation before it is handed back; generator: for the unseen designs that end a strategy's repetition.
+    record: stored evaluations of the same run, which are not made again; generator: for the unseen designs that end a
+    strategy's repetition.
     """
 
     def __init__(
         self,
         problem: DesignProblem,
-        simulator: Simulator,
+        simulators: Simulators,
         budget: int,
         record: Sequence[Evaluation],
-        store: Callable[[Evaluation], None],
         generator: np.random.Generator,
     ) -> None:
         self._problem = problem
-        self._simulator = simulator
+        self._simulators = simulators
         self.budget = budget
-        self._record = list(record)
-        self._store = store
+        self._record = {evaluation.number: evaluation for evaluation in record}
         self._generator = generator
         self._known: dict[bytes, Evaluation] = {}
+        self._planned: set[bytes] = set()
         self._repeats_in_a_row = 0
-        self.evaluations: list[Evaluation] = []
         self.repeats = 0
 
     @property
+    def evaluations(self) -> list[Evaluation]:
+        """The finished evaluations in the order in which they were proposed."""
+        return sorted(self._known.values(), key=lambda evaluation: evaluation.number)
+
+    @property
     def spent(self) -> int:
-        """Evaluations charged so far."""
-        return len(self.evaluations)
+        """Evaluations charged so far, those under way included."""
+        return len(self._planned)
 
     @property
     def exhausted(self) -> bool:
         """True when nothing more can be evaluated: the budget is spent, or every design has been evaluated."""
         return self.spent >= min(self.budget, self._problem.space.size)
 
-    def evaluate(self, proposal: Proposal, overhead: float = 0.0) -> Evaluation:
-        """Evaluate a proposal, `overhead` being the strategy's seconds for it.
+    def evaluate(
+        self, proposals: Sequence[Proposal], overhead: float = 0.0
+    ) -> Generator[Evaluation, None, list[Evaluation]]:
+        """Evaluate proposals, `overhead` being the strategy's seconds for each.
 
-        A design evaluated before is answered from memory and not charged; after 100 such in a row a random unseen design
-        (origin `unseen`) is evaluated in its place. Raises BudgetExhausted, PluginError for a proposal outside the space,
+        Yields every evaluation as it is finished, new or from the record, so that it can be stored before anything else
+        happens. Returns those of all proposals in their order, without the ones that the budget does not pay for. A design
+        evaluated before is answered from memory, not charged and not yielded; after 100 such in a row a random unseen
+        design (origin `unseen`) is evaluated in its place. Raises PluginError for a proposal outside the space,
         StorageError if the record belongs to another sequence of designs.
         """
-        proposal = replace(proposal, design=self._checked(proposal))
-        known = self._known.get(self._problem.space.key(proposal.design))
-        if known is not None:
+        charged: dict[int, Proposal] = {}
+        answers: list[tuple[bytes, bool]] = []
+        for proposal in proposals:
+            proposal = replace(proposal, design=self._checked(proposal))
+            repeated, chosen = self._chosen(proposal)
+            if chosen is None:
+                break
+            key = self._problem.space.key(chosen.design)
+            if not repeated:
+                charged[self.spent] = chosen
+                self._planned.add(key)
+            answers.append((key, repeated))
+        for evaluation in self._made(charged, overhead):
+            self._known[self._problem.space.key(evaluation.design)] = evaluation
+            yield evaluation
+        return [replace(self._known[key], repeated=True) if repeated else self._known[key] for key, repeated in answers]
+
+    def _chosen(self, proposal: Proposal) -> tuple[bool, Proposal | None]:
+        """Whether a proposal is a repeated one, and what is to be evaluated; None when the budget or the space ends."""
+        if self._problem.space.key(proposal.design) in self._planned:
             self._repeats_in_a_row += 1
             if self._repeats_in_a_row <= REPEATS_IN_A_ROW:
                 self.repeats += 1
-                return replace(known, repeated=True)
-            unseen = unseen_design(self._problem.space, set(self._known), self._generator)
+                return True, proposal
+            unseen = unseen_design(self._problem.space, self._planned, self._generator)
             if unseen is None:
-                raise BudgetExhausted("every design of the space has been evaluated")
+                return False, None
             proposal = Proposal(unseen, "unseen", proposal.trajectory)
-        return self._charged(proposal, overhead)
-
-    def _charged(self, proposal: Proposal, overhead: float) -> Evaluation:
         if self.spent >= self.budget:
-            raise BudgetExhausted(f"the budget of {self.budget} evaluations is spent")
+            return False, None
         self._repeats_in_a_row = 0
-        if self.spent < len(self._record):
-            evaluation = self._replayed(proposal)
-        else:
-            evaluation = self._evaluated(proposal, overhead)
-            self._store(evaluation)
-        self.evaluations.append(evaluation)
-        self._known[self._problem.space.key(evaluation.design)] = evaluation
-        return evaluation
+        return False, proposal
 
-    def _evaluated(self, proposal: Proposal, overhead: float) -> Evaluation:
-        start = time.perf_counter()
-        simulated = self._simulator.simulate(proposal.design)
-        duration = time.perf_counter() - start
-        outcome, reason = self._finished(proposal.design, simulated)
+    def _made(self, charged: Mapping[int, Proposal], overhead: float) -> Iterator[Evaluation]:
+        """The charged evaluations: from the record what it has, then the others as they are finished."""
+        for number, proposal in charged.items():
+            if number in self._record:
+                yield self._replayed(self._record[number], proposal)
+        new = [number for number in charged if number not in self._record]
+        for position, simulated in self._simulators.simulate([charged[number].design for number in new]):
+            yield self._evaluation(new[position], charged[new[position]], simulated, overhead)
+
+    def _evaluation(self, number: int, proposal: Proposal, simulated: Simulated, overhead: float) -> Evaluation:
+        outcome, reason = self._finished(proposal.design, simulated.outcome)
         return Evaluation(
-            number=self.spent,
+            number=number,
             design=proposal.design,
             objectives=outcome.objectives,
             constraints=outcome.constraints,
@@ -105,7 +124,7 @@ class BudgetedEvaluator:
             origin=proposal.origin,
             trajectory=proposal.trajectory,
             reason=reason,
-            duration=duration,
+            duration=simulated.duration,
             overhead=overhead,
         )
 
@@ -125,12 +144,11 @@ class BudgetedEvaluator:
     def _nothing(self, metrics: Mapping[str, float]) -> Outcome:
         return Outcome(np.full(self._problem.n_obj, np.nan), metrics, np.full(self._problem.n_ieq_constr, np.nan))
 
-    def _replayed(self, proposal: Proposal) -> Evaluation:
-        stored = self._record[self.spent]
+    def _replayed(self, stored: Evaluation, proposal: Proposal) -> Evaluation:
         same = np.array_equal(stored.design, proposal.design) and stored.origin == proposal.origin
         if not same:
             raise StorageError(
-                f"the record differs from this run at evaluation {self.spent + 1}: it was made by other versions of "
+                f"the record differs from this run at evaluation {stored.number + 1}: it was made by other versions of "
                 "railsearch, of a plugin or of a library. Use the versions named in the record, or start a new run elsewhere"
             )
         if not stored.failed:

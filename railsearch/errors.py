@@ -17,10 +17,6 @@ class CapabilityError(RailsearchError):
     """A strategy cannot handle what the problem asks of it."""
 
 
-class BudgetExhausted(RailsearchError):
-    """An evaluation beyond the budget was asked for."""
-
-
 class StorageError(RailsearchError):
     """The record of a run cannot be written, or belongs to another run."""
 

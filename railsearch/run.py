@@ -7,7 +7,7 @@ with no evaluation spent, until the record ends.
 import functools
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from typing import Protocol, cast
@@ -17,13 +17,13 @@ from threadpoolctl import threadpool_limits
 
 from railsearch.budget import BudgetedEvaluator
 from railsearch.design_problem import DesignProblem
-from railsearch.errors import BudgetExhausted, CapabilityError, InputError
+from railsearch.errors import CapabilityError, InputError
 from railsearch.indicators import non_dominated
 from railsearch.interfaces import Capabilities, Evaluation, Proposal, SearchContext, Strategy, Surrogate
 from railsearch.parameters import make_parameters
 from railsearch.plugin_manager import Registry
 from railsearch.seeding import run_generators
-from railsearch.simulation import simulator
+from railsearch.simulation import Simulators, simulators
 from railsearch.space import FloatArray
 
 Watch = Callable[[Evaluation], None]
@@ -69,13 +69,19 @@ class RunSettings:
     batch_size: int = 1
     timeout: float | None = None
     initial_seed: int | None = None
+    workers: int = 1
 
     def __post_init__(self) -> None:
-        for name, value in (("budget", self.budget), ("batch", self.batch_size)):
+        for name, value in (("budget", self.budget), ("batch", self.batch_size), ("workers", self.workers)):
             if isinstance(value, bool) or not isinstance(value, int) or value < 1:
                 raise InputError(f"{name}: an integer ≥ 1 is needed, received {value!r}")
         if self.timeout is not None and not 0.0 < self.timeout < math.inf:
             raise InputError(f"timeout: a positive number of seconds is needed, received {self.timeout!r}")
+        if self.workers > self.batch_size:
+            raise InputError(
+                f"workers: {self.workers} would find no more than the {self.batch_size} designs of a batch to evaluate at a "
+                f"time; propose {self.workers} at a time (batch), or use fewer workers"
+            )
 
 
 @dataclass(frozen=True)
@@ -99,27 +105,58 @@ def run_search(
     given: Sequence[FloatArray] = (),
     record: Record | None = None,
     watch: Watch = lambda evaluation: None,
+    simulating: Simulators | None = None,
 ) -> RunResult:
     """Search `problem` with a registered strategy until the budget is spent, or every design has been evaluated.
 
     given: designs (d,) to evaluate first, inside the budget; record: where evaluations are kept and a run is continued from;
-    watch: called with every evaluation, stored or new. Raises InputError, CapabilityError or PluginError before anything is
-    evaluated, StorageError if the record cannot be written or belongs to another run.
+    watch: called with every evaluation, stored or new; simulating: what carries the evaluations out, by default this process
+    or `settings.workers` others. Raises InputError, CapabilityError or PluginError before anything is evaluated,
+    StorageError if the record cannot be written or belongs to another run.
     """
-    strategy = make_strategy(registry, problem, settings, len(given))
     record = record or MemoryRecord()
     stored = record.load()
-    with closing(simulator(problem, settings.timeout)) as simulating, threadpool_limits(1):
+    known = {evaluation.number for evaluation in stored}
+    steps = search(registry, problem, settings, given, stored, simulating)
+    with closing(steps):
+        while True:
+            try:
+                evaluation = next(steps)
+            except StopIteration as ended:
+                result: RunResult = ended.value
+                return result
+            if evaluation.number not in known:
+                record.append(evaluation)
+            watch(evaluation)
+
+
+def search(
+    registry: Registry,
+    problem: DesignProblem,
+    settings: RunSettings,
+    given: Sequence[FloatArray] = (),
+    stored: Sequence[Evaluation] = (),
+    simulating: Simulators | None = None,
+) -> Generator[Evaluation, None, RunResult]:
+    """The loop itself: yields every evaluation as it is finished, and goes on when it is asked for the next one.
+
+    Arguments and errors are those of `run_search`; stored: what the record of a continued run has.
+    """
+    strategy = make_strategy(registry, problem, settings, len(given))
+    made = simulating or simulators(problem, settings.timeout, settings.workers)
+    with closing(made), threadpool_limits(1):
         if len(stored) < settings.budget:
-            simulating.warm_up()
-        evaluator = BudgetedEvaluator(
-            problem, simulating, settings.budget, stored, record.append, run_generators(settings.seed).unseen
-        )
+            made.warm_up()
+        generator = run_generators(settings.seed, settings.initial_seed).unseen
+        evaluator = BudgetedEvaluator(problem, made, settings.budget, stored, generator)
         if given:
             first = [Proposal(problem.space.checked(design), "given") for design in given]
-            strategy.tell(_evaluated(evaluator, first, 0.0, watch))
+            # The reference design comes alone: a scalariser may need its objectives before those of any other.
+            told = yield from evaluator.evaluate(first[:1])
+            told += yield from evaluator.evaluate(first[1:])
+            strategy.tell(told)
         while not evaluator.exhausted:
-            _step(strategy, evaluator, watch)
+            yield from _step(strategy, evaluator)
     return RunResult(tuple(evaluator.evaluations), min(len(stored), evaluator.spent), evaluator.repeats)
 
 
@@ -195,28 +232,13 @@ def best(evaluations: Sequence[Evaluation], reference: FloatArray | None = None)
     return members[int(np.argmin(scaled.max(axis=1)))]
 
 
-def _step(strategy: Strategy, evaluator: BudgetedEvaluator, watch: Watch) -> None:
+def _step(strategy: Strategy, evaluator: BudgetedEvaluator) -> Iterator[Evaluation]:
     start = time.perf_counter()
     proposals = strategy.ask()
     if not proposals:
         raise CapabilityError("the strategy proposed nothing although there is budget left")
     overhead = (time.perf_counter() - start) / len(proposals)
-    strategy.tell(_evaluated(evaluator, proposals, overhead, watch))
-
-
-def _evaluated(
-    evaluator: BudgetedEvaluator, proposals: Sequence[Proposal], overhead: float, watch: Watch
-) -> list[Evaluation]:
-    evaluations: list[Evaluation] = []
-    for proposal in proposals:
-        try:
-            evaluation = evaluator.evaluate(proposal, overhead)
-        except BudgetExhausted:
-            break
-        evaluations.append(evaluation)
-        if not evaluation.repeated:
-            watch(evaluation)
-    return evaluations
+    strategy.tell((yield from evaluator.evaluate(proposals, overhead)))
 
 
 def _surrogate(registry: Registry, dimension: int, name: str, settings: Mapping[str, object]) -> Surrogate:

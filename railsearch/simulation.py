@@ -1,10 +1,15 @@
-"""Carry out the expensive part of an evaluation, here or in a process that can be stopped when it exceeds its time."""
+"""Carry out the expensive part of evaluations: here, or in processes of their own, several at a time or time-limited."""
 
 import multiprocessing
 import os
 import pickle
+import queue
 import signal
 import threading
+import time
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Protocol
@@ -17,14 +22,22 @@ from railsearch.space import FloatArray
 START_SECONDS = 120.0
 
 
+@dataclass(frozen=True)
+class Simulated:
+    """The outcome of a design, or the reason why there is none, and the seconds that it took."""
+
+    outcome: Outcome | str
+    duration: float
+
+
 class Simulator(Protocol):
     """Carries out `problem.simulate`; a failure comes back as its reason, never as an exception."""
 
     def warm_up(self) -> None:
         """Do what is done once per process, so that no evaluation is charged for it."""
 
-    def simulate(self, design: FloatArray) -> Outcome | str:
-        """The outcome of a design (d,), or the reason why there is none."""
+    def simulate(self, design: FloatArray) -> Simulated:
+        """Simulate a design (d,)."""
 
     def close(self) -> None:
         """Release what is held."""
@@ -40,24 +53,26 @@ class InProcess:
         """Warm the problem up here."""
         self._problem.warm_up()
 
-    def simulate(self, design: FloatArray) -> Outcome | str:
-        """The outcome of a design (d,), or the exception that was raised, in words."""
+    def simulate(self, design: FloatArray) -> Simulated:
+        """Simulate a design (d,); an exception is the reason why there is no outcome."""
+        start = time.perf_counter()
         try:
-            return self._problem.simulate(design)
+            outcome: Outcome | str = self._problem.simulate(design)
         except Exception as error:  # noqa: BLE001 - whatever a model raises is a failed evaluation
-            return f"{type(error).__name__}: {error}"
+            outcome = f"{type(error).__name__}: {error}"
+        return Simulated(outcome, time.perf_counter() - start)
 
     def close(self) -> None:
         """Nothing is held."""
 
 
-class TimeLimited:
-    """Simulates in one process of its own, which is killed when a simulation exceeds `timeout` seconds.
+class SeparateProcess:
+    """Simulates in one process of its own, which is killed when a simulation exceeds `timeout` seconds, if there is a limit.
 
     The time counts from when the process is ready: starting it and warming the problem up are not part of it.
     """
 
-    def __init__(self, problem: DesignProblem, timeout: float) -> None:
+    def __init__(self, problem: DesignProblem, timeout: float | None = None) -> None:
         self._problem = problem
         self._timeout = timeout
         self._process: BaseProcess | None = None
@@ -67,13 +82,15 @@ class TimeLimited:
         """Start the process, which warms the problem up."""
         self._started()
 
-    def simulate(self, design: FloatArray) -> Outcome | str:
-        """The outcome of a design (d,), or why there is none: an exception, the time limit, the death of the process."""
+    def simulate(self, design: FloatArray) -> Simulated:
+        """Simulate a design (d,); there is no outcome after an exception, the time limit, or the death of the process."""
         if self._process is not None and not self._process.is_alive():
             self.close()
         connection, process = self._started()
+        start = time.perf_counter()
         connection.send(design)
-        return self._received(connection, process, self._timeout)
+        received = self._received(connection, process, self._timeout)
+        return received if isinstance(received, Simulated) else Simulated(str(received), time.perf_counter() - start)
 
     def close(self) -> None:
         """Kill the process, if there is one."""
@@ -92,15 +109,16 @@ class TimeLimited:
             theirs.close()
             ready = self._received(self._connection, self._process, START_SECONDS)
             if isinstance(ready, str) or self._process is None:
-                raise InputError(f"the process that simulates under a time limit cannot be started: {ready}")
+                raise InputError(f"the process that simulates cannot be started: {ready}")
         return self._connection, self._process
 
-    def _received(self, connection: Connection, process: BaseProcess, seconds: float) -> Outcome | str:
+    def _received(self, connection: Connection, process: BaseProcess, seconds: float | None) -> Simulated | str | None:
+        """What the process sends, None when it is ready; or why nothing came."""
         if not wait([connection, process.sentinel], timeout=seconds):
             self.close()
             return f"time limit of {seconds:g} s exceeded"
         try:
-            received: Outcome | str = connection.recv()
+            received: Simulated | None = connection.recv()
         except (EOFError, OSError):
             process.join()
             self.close()
@@ -108,17 +126,67 @@ class TimeLimited:
         return received
 
 
-def simulator(problem: DesignProblem, timeout: float | None) -> Simulator:
-    """The simulator for a problem: in this process without a time limit, in one of its own with one."""
-    return InProcess(problem) if timeout is None else TimeLimited(problem, timeout)
+class Simulators:
+    """Simulators side by side, each at work on one design at a time."""
+
+    def __init__(self, members: Sequence[Simulator]) -> None:
+        self._members = list(members)
+
+    def warm_up(self) -> None:
+        """Warm all of them up, side by side."""
+        if len(self._members) == 1:
+            self._members[0].warm_up()
+            return
+        with ThreadPoolExecutor(len(self._members)) as threads:
+            for warmed in [threads.submit(member.warm_up) for member in self._members]:
+                warmed.result()
+
+    def simulate(self, designs: Sequence[FloatArray]) -> Iterator[tuple[int, Simulated]]:
+        """Simulate designs (d,); gives each one's place and result as it is finished.
+
+        With one member the next design is begun when it is asked for; with several, as soon as a member is free.
+        """
+        if len(self._members) == 1 or len(designs) == 1:
+            yield from ((place, self._members[0].simulate(design)) for place, design in enumerate(designs))
+            return
+        free: queue.SimpleQueue[Simulator] = queue.SimpleQueue()
+        for member in self._members:
+            free.put(member)
+        threads = ThreadPoolExecutor(len(self._members))
+        try:
+            places = {threads.submit(_by_free_member, free, design): place for place, design in enumerate(designs)}
+            yield from ((places[done], done.result()) for done in as_completed(places))
+        finally:
+            threads.shutdown(wait=False, cancel_futures=True)
+
+    def close(self) -> None:
+        """Release what they hold; what is under way is stopped."""
+        for member in self._members:
+            member.close()
+
+
+def simulators(problem: DesignProblem, timeout: float | None = None, workers: int = 1) -> Simulators:
+    """Simulators for a problem: one in this process, or `workers` processes if they are several or time-limited."""
+    if timeout is None and workers == 1:
+        return Simulators([InProcess(problem)])
+    return Simulators([SeparateProcess(problem, timeout) for _ in range(workers)])
+
+
+def _by_free_member(free: "queue.SimpleQueue[Simulator]", design: FloatArray) -> Simulated:
+    member = free.get()
+    try:
+        return member.simulate(design)
+    finally:
+        free.put(member)
 
 
 def _start(process: BaseProcess) -> None:
+    multiprocessing.current_process().daemon = False  # a daemonic worker process may otherwise have no children
     try:
         process.start()
     except (AttributeError, TypeError, pickle.PicklingError) as error:
         raise InputError(
-            f"timeout: the problem cannot travel to the process that would be stopped ({error}); define its classes "
+            f"timeout, workers: the problem cannot travel to a process of its own ({error}); define its classes "
             "at the top level of a module that can be imported"
         ) from None
 

@@ -1,12 +1,14 @@
 import multiprocessing
 import time
+from contextlib import closing
+from multiprocessing.connection import Connection
 
 import numpy as np
 import pytest
 
 from railsearch.errors import InputError
 from railsearch.interfaces import Outcome
-from railsearch.simulation import TimeLimited, simulator
+from railsearch.simulation import SeparateProcess, Simulators, simulators
 from sample_problems import Sphere, Troubled
 
 
@@ -15,38 +17,36 @@ def design(count: int) -> np.ndarray:
 
 
 def test_the_process_gives_what_the_problem_gives() -> None:
-    limited = simulator(Sphere(), timeout=30.0)
-    try:
-        outcome = limited.simulate(design(0))
-    finally:
-        limited.close()
+    with closing(simulators(Sphere(), timeout=30.0)) as limited:
+        ((_, simulated),) = limited.simulate([design(0)])
+    outcome = simulated.outcome
     assert isinstance(outcome, Outcome)
     assert outcome.objectives == [4.0]
     assert outcome.metrics == {"norm": 0.0}
 
 
 def test_hanging_and_dying_models_are_failures_and_the_next_design_works() -> None:
-    limited = TimeLimited(Troubled(), timeout=0.5)
+    limited = SeparateProcess(Troubled(), timeout=0.5)
     try:
         start = time.perf_counter()
-        assert limited.simulate(design(3)) == "time limit of 0.5 s exceeded"
+        assert limited.simulate(design(3)).outcome == "time limit of 0.5 s exceeded"
         assert time.perf_counter() - start < 60.0
-        assert isinstance(limited.simulate(design(0)), Outcome)
-        assert limited.simulate(design(4)) == "the simulating process died (exit code 3)"
-        assert limited.simulate(design(-4)) == "ZeroDivisionError: no ballast"
-        assert isinstance(limited.simulate(design(1)), Outcome)
+        assert isinstance(limited.simulate(design(0)).outcome, Outcome)
+        assert limited.simulate(design(4)).outcome == "the simulating process died (exit code 3)"
+        assert limited.simulate(design(-4)).outcome == "ZeroDivisionError: no ballast"
+        assert isinstance(limited.simulate(design(1)).outcome, Outcome)
     finally:
         limited.close()
 
 
 def test_a_process_that_died_while_waiting_is_replaced() -> None:
-    limited = TimeLimited(Sphere(), timeout=5.0)
+    limited = SeparateProcess(Sphere(), timeout=5.0)
     try:
-        assert isinstance(limited.simulate(design(0)), Outcome)
+        assert isinstance(limited.simulate(design(0)).outcome, Outcome)
         (child,) = multiprocessing.active_children()
         child.kill()
         child.join()
-        assert isinstance(limited.simulate(design(0)), Outcome)
+        assert isinstance(limited.simulate(design(0)).outcome, Outcome)
     finally:
         limited.close()
 
@@ -56,4 +56,36 @@ def test_a_problem_that_cannot_travel_is_refused() -> None:
         pass
 
     with pytest.raises(InputError, match="cannot travel"):
-        TimeLimited(Local(), timeout=5.0).warm_up()
+        SeparateProcess(Local(), timeout=5.0).warm_up()
+
+
+def test_what_is_under_way_is_stopped_when_the_simulators_are_closed() -> None:
+    """One of three designs hangs without a limit: the others come, and closing does not wait for it."""
+    side_by_side = Simulators([SeparateProcess(Troubled()) for _ in range(2)])
+    side_by_side.warm_up()
+    started = time.perf_counter()
+    results = side_by_side.simulate([design(3), design(0), design(1)])
+    assert {next(results)[0], next(results)[0]} == {1, 2}
+    side_by_side.close()
+    place, hanging = next(results)
+    assert place == 0
+    assert "died" in str(hanging.outcome)
+    assert time.perf_counter() - started < 120.0
+    assert not multiprocessing.active_children()
+
+
+def test_a_daemonic_process_may_simulate_in_a_process_of_its_own() -> None:
+    context = multiprocessing.get_context("spawn")
+    mine, theirs = context.Pipe()
+    worker = context.Process(target=_simulate_and_tell, args=(theirs,), daemon=True)
+    worker.start()
+    assert mine.poll(60.0)
+    assert mine.recv() == 4.0
+    worker.join()
+
+
+def _simulate_and_tell(connection: Connection) -> None:
+    with closing(simulators(Sphere(), timeout=30.0)) as limited:
+        ((_, simulated),) = limited.simulate([design(0)])
+    assert isinstance(simulated.outcome, Outcome)
+    connection.send(simulated.outcome.objectives[0])
