@@ -67,26 +67,21 @@ def parameter(
 def make_parameters(cls: type[P], values: Mapping[str, object], where: str) -> P:
     """Build the frozen dataclass `cls` from (nested) `values`; `where` names their origin in messages.
 
-    Raises InputError for an unknown name, a wrong type, NaN or infinity, and a value outside the allowed range.
+    Raises InputError for unknown names, wrong types, NaN or infinity, and values outside the allowed range, all at once.
     """
     return amend_parameters(cls(), values, where)
 
 
 def amend_parameters(start: P, values: Mapping[str, object], where: str) -> P:
     """Replace fields of the frozen dataclass `start` by (nested) `values`, checked as in `make_parameters`."""
-    fields = {field.name: field for field in dataclasses.fields(start)}  # type: ignore[arg-type]
-    hints = typing.get_type_hints(type(start))
-    changes = {}
+    changes, faults = {}, []
     for name, value in values.items():
-        if name not in fields:
-            raise InputError(f"{where}: unknown parameter '{name}'{_did_you_mean(name, list(fields))}")
-        current, place = getattr(start, name), f"{where}.{name}"
-        if dataclasses.is_dataclass(current):
-            if not isinstance(value, Mapping):
-                raise InputError(f"{place}: a table of parameters is needed, received {value!r}")
-            changes[name] = amend_parameters(cast(Any, current), value, place)
-        else:
-            changes[name] = _checked(value, hints[name], fields[name].metadata, place)
+        try:
+            changes[name] = _amended_field(start, name, value, where)
+        except InputError as error:
+            faults.append(str(error))
+    if faults:
+        raise InputError("; ".join(faults))
     try:
         return dataclasses.replace(start, **changes)  # type: ignore[type-var]
     except InputError as error:
@@ -124,6 +119,19 @@ def nested(assignments: Mapping[str, object]) -> dict[str, Any]:
             branch = branch.setdefault(group, {})
         branch[leaf] = value
     return tree
+
+
+def _amended_field(start: object, name: str, value: object, where: str) -> object:
+    """The new value of one field, checked."""
+    fields = {field.name: field for field in dataclasses.fields(start)}  # type: ignore[arg-type]
+    if name not in fields:
+        raise InputError(f"{where}: unknown parameter '{name}'{_did_you_mean(name, list(fields))}")
+    current, place = getattr(start, name), f"{where}.{name}"
+    if not dataclasses.is_dataclass(current):
+        return _checked(value, typing.get_type_hints(type(start))[name], fields[name].metadata, place)
+    if not isinstance(value, Mapping):
+        raise InputError(f"{place}: a table of parameters is needed, received {value!r}")
+    return amend_parameters(cast(Any, current), value, place)
 
 
 def _checked(value: object, kind: object, meta: Mapping[str, Any], place: str) -> object:

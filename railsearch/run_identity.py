@@ -22,11 +22,7 @@ def run_identity(
     given: Sequence[FloatArray],
 ) -> dict[str, Any]:
     """The identity of a run of `problem`, which `asked` made; every default is spelt out."""
-    sections = checked_sections(registry, asked.name, asked.sections, "parameters")
-    identity: dict[str, Any] = {
-        "problem": asked.name,
-        "objectives": [objective.name for objective in problem.simulated.objectives],
-        "scalariser": _scalariser(registry, asked),
+    identity = problem_identity(registry, asked, problem, given) | {
         "strategy": {
             "name": settings.strategy,
             "settings": all_settings(registry, "strategy", settings.strategy, settings.strategy_settings),
@@ -34,13 +30,25 @@ def run_identity(
         "budget": settings.budget,
         "seed": settings.seed,
         "batch": settings.batch_size,
-        "given": [problem.space.named(design) for design in given],
-        "worst": natural_worst(problem.simulated),
-        "sections": {section: dataclasses.asdict(values) for section, values in sections.items()},
     }
     if settings.initial_seed is not None:
         identity["initial_seed"] = settings.initial_seed
     return identity
+
+
+def problem_identity(
+    registry: Registry, asked: ProblemSettings, problem: DesignProblem, given: Sequence[FloatArray]
+) -> dict[str, Any]:
+    """The part of a run's identity that says what is searched."""
+    sections = checked_sections(registry, asked.name, asked.sections, "parameters")
+    return {
+        "problem": asked.name,
+        "objectives": [objective.name for objective in problem.simulated.objectives],
+        "scalariser": _scalariser(registry, asked),
+        "given": [problem.space.named(design) for design in given],
+        "worst": natural_worst(problem.simulated),
+        "sections": {section: dataclasses.asdict(values) for section, values in sections.items()},
+    }
 
 
 def all_settings(registry: Registry, kind: str, name: str, settings: Mapping[str, object]) -> dict[str, Any]:
@@ -51,8 +59,13 @@ def all_settings(registry: Registry, kind: str, name: str, settings: Mapping[str
 
 def problem_of(registry: Registry, identity: Mapping[str, Any], where: str) -> DesignProblem:
     """The problem of a run; `where` names the identity's place in errors."""
+    return make_problem(registry, problem_settings_of(identity), where)
+
+
+def problem_settings_of(identity: Mapping[str, Any]) -> ProblemSettings:
+    """What makes the problem of a run."""
     scalariser = identity["scalariser"] or {"name": None, "settings": {}}
-    settings = ProblemSettings(
+    return ProblemSettings(
         identity["problem"],
         tuple(identity["objectives"]),
         identity["sections"],
@@ -60,7 +73,6 @@ def problem_of(registry: Registry, identity: Mapping[str, Any], where: str) -> D
         scalariser["settings"],
         identity["worst"],
     )
-    return make_problem(registry, settings, where)
 
 
 def settings_of(identity: Mapping[str, Any], timeout: float | None = None) -> RunSettings:

@@ -30,7 +30,7 @@ class Site:
 
 def read_site(path: Path, registry: Registry, problem: str) -> Site:
     """Read and check a site file for a problem. Raises InputError naming the file, the field and what is allowed."""
-    document = _parsed(path)
+    document = read_toml(path)
     named = document.pop("problem", problem)
     if named != problem:
         raise InputError(f"{path}: problem: this file describes '{named}', asked for is '{problem}'")
@@ -77,7 +77,8 @@ def _worst_table(registry: Registry, problem: str) -> Iterator[str]:
         yield f"{quantity.name} = {known[quantity.name]!r}" if quantity.name in known else f"# {quantity.name} ="
 
 
-def _parsed(path: Path) -> dict[str, Any]:
+def read_toml(path: Path) -> dict[str, Any]:
+    """A TOML file with the columns of other files that it names. Raises InputError if one of them cannot be read."""
     try:
         document = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -90,6 +91,8 @@ def _parsed(path: Path) -> dict[str, Any]:
 
 def _with_columns(value: Any, path: Path) -> Any:
     """The document with every table {file = …, column = …} replaced by that column of a file beside it."""
+    if isinstance(value, list):
+        return [_with_columns(entry, path) for entry in value]
     if not isinstance(value, dict):
         return value
     if set(value) == {"file", "column"}:
@@ -149,7 +152,7 @@ def _toml(value: object) -> str:
 
 def track_section(path: Path) -> Mapping[str, Any]:
     """The track model's parameters of a site file, unchecked. Raises InputError if there are none."""
-    document = _parsed(path)
+    document = read_toml(path)
     if not isinstance(document.get("track"), dict):
         raise InputError(
             f"{path}: a section [track] with the track model's parameters is needed; there are {list(document)}"

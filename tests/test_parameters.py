@@ -70,3 +70,10 @@ def test_descriptions_carry_unit_source_and_range() -> None:
 
 def test_dotted_names_become_tables() -> None:
     assert nested({"a.b": 1, "a.c.d": 2, "e": 3}) == {"a": {"b": 1, "c": {"d": 2}}, "e": 3}
+
+
+def test_all_faults_are_named_at_once() -> None:
+    values = {"pad": {"stifness": 3, "rows": -1}, "name": "C", "colour": "red"}
+    with pytest.raises(InputError) as caught:
+        make_parameters(Zone, values, "site")
+    assert all(word in str(caught.value) for word in ("'stifness'", "site.pad.rows", "'C'", "'colour'")), str(caught.value)
