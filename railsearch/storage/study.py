@@ -1,4 +1,4 @@
-"""The record of a run as an Optuna study. The only module that touches Optuna's studies and storages.
+"""The record of a run as an Optuna study.
 
 One finished evaluation is one trial, written in one transaction when it is finished: a process killed at any moment leaves
 whole evaluations and nothing else. There is one writer per study.
@@ -7,10 +7,9 @@ whole evaluations and nothing else. There is one writer per study.
 import datetime
 import json
 import math
-import os
+import threading
 import warnings
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,12 +18,13 @@ import optuna
 from optuna.distributions import BaseDistribution, FloatDistribution, IntDistribution
 from optuna.study import StudyDirection
 from optuna.trial import FrozenTrial, TrialState, create_trial
-from sqlalchemy.engine import make_url
-from sqlalchemy.exc import ArgumentError, SQLAlchemyError
 
-from railsearch.errors import InputError, StorageError
+from railsearch.errors import StorageError
 from railsearch.interfaces import Evaluation
 from railsearch.space import Space
+from railsearch.storage.access import Patience, readable, writable
+from railsearch.storage.address import check_storage, without_password
+from railsearch.storage.claims import Claims
 
 IDENTITY = "railsearch"
 OWN_ATTRIBUTES = ("evaluation", "origin", "trajectory", "reason", "duration [s]", "overhead [s]")
@@ -42,26 +42,74 @@ class StudyDescription:
 
 
 class RunStorage:
-    """The stored evaluations of one run."""
+    """The stored evaluations of one run; `lock` lets one thread write at a time."""
 
-    def __init__(self, study: optuna.Study, space: Space, n_constraints: int, place: str) -> None:
+    def __init__(
+        self,
+        study: optuna.Study,
+        space: Space,
+        n_constraints: int,
+        place: str,
+        lock: threading.Lock,
+        patience: Patience,
+        claims: Claims | None = None,
+    ) -> None:
         self._study = study
         self._space = space
         self._n_constraints = n_constraints
         self._place = place
+        self._lock = lock
+        self._patience = patience
+        self._claims = claims
         self._distributions = _distributions(space)
+        self._safe = 0
 
     def load(self) -> list[Evaluation]:
-        """The evaluations in the order in which they were made."""
-        with _readable(self._place):
-            trials = self._study.get_trials(deepcopy=False)
+        """The evaluations in the order in which they were proposed; those under way when a run ended may be missing."""
+        with readable(self._place), self._lock:
+            trials = self._patience.insist(lambda: self._study.get_trials(deepcopy=False))
         finished = [trial for trial in trials if trial.state in (TrialState.COMPLETE, TrialState.FAIL)]
         if len(finished) != len(trials):
             raise StorageError(f"{self._place}: study '{self._study.study_name}' has trials that another program began")
-        return [self._evaluation(trial, len(self._study.directions)) for trial in finished]
+        evaluations = [self._evaluation(trial, len(self._study.directions)) for trial in finished]
+        numbers = {evaluation.number for evaluation in evaluations}
+        if len(numbers) != len(evaluations):
+            raise StorageError(f"{self._place}: study '{self._study.study_name}' has an evaluation twice: two wrote to it")
+        self._safe = len(evaluations)
+        return sorted(evaluations, key=lambda evaluation: evaluation.number)
 
     def append(self, evaluation: Evaluation) -> None:
-        """Store one finished evaluation in one transaction. Raises StorageError if it cannot be written."""
+        """Store one finished evaluation in one transaction.
+
+        Raises StorageError if it cannot be written, or if the study was claimed by another process.
+        """
+        trial = self._trial(evaluation)
+        attempts = 0
+
+        def attempt() -> None:
+            nonlocal attempts
+            attempts += 1
+            self._check_claim()
+            # A broken connection leaves open whether the transaction before it was carried out.
+            if attempts == 1 or not self._has(evaluation.number):
+                self._study.add_trial(trial)
+
+        with writable(self._place, f"{self._safe} evaluations are"), self._lock:
+            self._patience.insist(attempt)
+        self._safe += 1
+
+    def _check_claim(self) -> None:
+        if self._claims is not None and not self._claims.kept(self._study.study_name):
+            raise StorageError(
+                f"{self._place}: study '{self._study.study_name}' was taken over by another process while the connection "
+                "was lost; that process goes on with it"
+            )
+
+    def _has(self, number: int) -> bool:
+        trials = self._study.get_trials(deepcopy=False)
+        return any(trial.user_attrs.get("evaluation") == number + 1 for trial in trials)
+
+    def _trial(self, evaluation: Evaluation) -> FrozenTrial:
         now = datetime.datetime.now()
         constraints = [] if evaluation.failed else [float(value) for value in evaluation.constraints]
         trial = create_trial(
@@ -74,14 +122,13 @@ class RunStorage:
         )
         trial.datetime_start = now - datetime.timedelta(seconds=evaluation.duration)
         trial.datetime_complete = now
-        with _writable(self._place, evaluation.number):
-            self._study.add_trial(trial)
+        return trial
 
     def _evaluation(self, trial: FrozenTrial, n_objectives: int) -> Evaluation:
         attributes = trial.user_attrs
         constraints = trial.system_attrs.get("constraints", [math.nan] * self._n_constraints)
         return Evaluation(
-            number=trial.number,
+            number=attributes["evaluation"] - 1,
             design=np.array([trial.params[name] for name in self._space.names], dtype=float),
             objectives=np.array(trial.values or [math.nan] * n_objectives, dtype=float),
             constraints=np.array(constraints, dtype=float),
@@ -94,25 +141,61 @@ class RunStorage:
         )
 
 
-def storage_url(url: str) -> str:
-    """An Optuna storage URL with the path of an SQLite file made absolute. Raises InputError if it is none."""
-    try:
-        parsed = make_url(url)
-    except ArgumentError:
-        raise InputError(
-            f"--storage: an URL such as sqlite:///FILE or postgresql://USER@HOST/NAME is needed, received {url!r}"
-        ) from None
-    if parsed.drivername.startswith("sqlite") and parsed.database:
-        parsed = parsed.set(database=os.path.abspath(parsed.database))
-    return parsed.render_as_string(hide_password=False)
+class Storage:
+    """An open storage: the runs in it, and this process's claims.
 
+    patience: how long a server that does not answer is waited for. Raises StorageError if it cannot be opened.
+    """
 
-def without_password(url: str) -> str:
-    """A storage URL that can be shown; what is no URL stays as it is."""
-    try:
-        return make_url(url).render_as_string(hide_password=True)
-    except ArgumentError:
-        return url
+    def __init__(self, url: str, patience: Patience | None = None, claims: Claims | None = None) -> None:
+        self._place = without_password(url)
+        self._patience = patience or Patience()
+        self._claims = claims
+        self._lock = threading.Lock()
+        with readable(self._place):
+            self._storage = optuna.storages.get_storage(url)
+
+    def claim(self, name: str) -> bool:
+        """Claim a study by name; False if another process has it. Without claims everything is free."""
+        claims = self._claims
+        with writable(self._place, "All finished evaluations are"):
+            return claims is None or self._patience.insist(lambda: claims.take(name))
+
+    def release(self, name: str) -> None:
+        """Let a claimed study go."""
+        claims = self._claims
+        if claims is not None:
+            with writable(self._place, "All finished evaluations are"):
+                self._patience.insist(lambda: claims.release(name))
+
+    def close(self) -> None:
+        """Let go of all claims."""
+        if self._claims is not None:
+            self._claims.close()
+
+    def run(self, description: StudyDescription, space: Space, create: bool = True) -> RunStorage:
+        """The study of a run, made if need be and if `create`.
+
+        Raises StorageError if the storage holds under that name no run or one with another identity.
+        """
+        with readable(self._place), self._lock:
+            study, known = self._patience.insist(lambda: self._study(description, create))
+            stored = study.user_attrs.get(IDENTITY)
+        if stored is not None or (known and study.get_trials(deepcopy=False)):
+            _check_identity(stored or {}, description, self._place)
+        else:
+            with writable(self._place, "No evaluations are"), self._lock:
+                self._patience.insist(lambda: _describe(study, description))
+        return RunStorage(study, space, description.n_constraints, self._place, self._lock, self._patience, self._claims)
+
+    def _study(self, description: StudyDescription, create: bool) -> tuple[optuna.Study, bool]:
+        try:
+            return optuna.load_study(study_name=description.name, storage=self._storage), True
+        except KeyError:
+            if not create:
+                raise StorageError(f"{self._place} holds no study '{description.name}'") from None
+        directions = [StudyDirection.MINIMIZE] * len(description.objective_names)
+        return optuna.create_study(storage=self._storage, study_name=description.name, directions=directions), False
 
 
 def open_run(url: str, description: StudyDescription, space: Space, create: bool = True) -> RunStorage:
@@ -120,35 +203,9 @@ def open_run(url: str, description: StudyDescription, space: Space, create: bool
 
     Raises StorageError if the storage cannot be opened, or holds under that name no run or one with another identity.
     """
-    shown = without_password(url)
     if not create:
         check_storage(url)
-    with _readable(shown):
-        storage = optuna.storages.get_storage(url)
-        known = description.name in optuna.get_all_study_names(storage)
-        if known:
-            study = optuna.load_study(study_name=description.name, storage=storage)
-        elif not create:
-            raise StorageError(f"{shown} holds no study '{description.name}'")
-        else:
-            directions = [StudyDirection.MINIMIZE] * len(description.objective_names)
-            study = optuna.create_study(storage=storage, study_name=description.name, directions=directions)
-        stored = study.user_attrs.get(IDENTITY)
-    if stored is not None or (known and study.get_trials(deepcopy=False)):
-        _check_identity(stored or {}, description, shown)
-    else:
-        with _writable(shown, 0):
-            _describe(study, description)
-    return RunStorage(study, space, description.n_constraints, shown)
-
-
-def check_storage(url: str) -> None:
-    """Raise StorageError if the storage is an SQLite file that does not exist: opening it would make one."""
-    parsed = make_url(url)
-    if parsed.drivername.startswith("sqlite") and parsed.database and not os.path.exists(parsed.database):
-        raise StorageError(
-            f"there is no record at {without_password(url)}: bring the file back, or name its place with --storage"
-        )
+    return Storage(url).run(description, space, create)
 
 
 def identity_differences(stored: Mapping[str, Any], wanted: Mapping[str, Any], prefix: str = "") -> list[str]:
@@ -218,31 +275,3 @@ def _number(value: float | None) -> float:
 def _short(value: object) -> str:
     text = json.dumps(value, ensure_ascii=False)
     return text if len(text) <= 60 else text[:57] + "…"
-
-
-@contextmanager
-def _readable(place: str) -> Iterator[None]:
-    try:
-        yield
-    except (SQLAlchemyError, optuna.exceptions.OptunaError, OSError, ImportError, ValueError) as error:
-        raise StorageError(
-            f"the storage {place} cannot be opened: {_cause(error)}. Check the URL, the rights and the space there"
-        ) from error
-
-
-@contextmanager
-def _writable(place: str, stored: int) -> Iterator[None]:
-    try:
-        yield
-    except (SQLAlchemyError, optuna.exceptions.OptunaError, OSError) as error:
-        raise StorageError(
-            f"the storage {place} cannot be written: {_cause(error)}. {stored} evaluations are safe in it; "
-            "make space or restore the connection, then repeat the same command to go on"
-        ) from error
-
-
-def _cause(error: BaseException) -> str:
-    deepest = error
-    while deepest.__cause__ is not None:
-        deepest = deepest.__cause__
-    return f"{deepest}".split("\n")[0]

@@ -1,0 +1,31 @@
+"""Records in Optuna's storages: the only room that touches Optuna's studies and storages."""
+
+from railsearch.storage.access import Patience
+from railsearch.storage.address import check_storage, is_file, storage_url, without_password
+from railsearch.storage.claims import Claims, claims_of
+from railsearch.storage.study import (
+    IDENTITY,
+    RunStorage,
+    Storage,
+    StudyDescription,
+    identity_differences,
+    open_run,
+    plain,
+)
+
+__all__ = [
+    "IDENTITY",
+    "Claims",
+    "Patience",
+    "RunStorage",
+    "Storage",
+    "StudyDescription",
+    "check_storage",
+    "claims_of",
+    "identity_differences",
+    "is_file",
+    "open_run",
+    "plain",
+    "storage_url",
+    "without_password",
+]

@@ -1,0 +1,43 @@
+"""Addresses of storages: the URLs of SQLAlchemy, which Optuna uses."""
+
+import os
+
+from sqlalchemy.engine import make_url
+from sqlalchemy.exc import ArgumentError
+
+from railsearch.errors import InputError, StorageError
+
+
+def storage_url(url: str) -> str:
+    """An Optuna storage URL with the path of an SQLite file made absolute. Raises InputError if it is none."""
+    try:
+        parsed = make_url(url)
+    except ArgumentError:
+        raise InputError(
+            f"--storage: an URL such as sqlite:///FILE or postgresql://USER@HOST/NAME is needed, received {url!r}"
+        ) from None
+    if parsed.drivername.startswith("sqlite") and parsed.database:
+        parsed = parsed.set(database=os.path.abspath(parsed.database))
+    return parsed.render_as_string(hide_password=False)
+
+
+def without_password(url: str) -> str:
+    """A storage URL that can be shown; what is no URL stays as it is."""
+    try:
+        return make_url(url).render_as_string(hide_password=True)
+    except ArgumentError:
+        return url
+
+
+def check_storage(url: str) -> None:
+    """Raise StorageError if the storage is an SQLite file that does not exist: opening it would make one."""
+    parsed = make_url(url)
+    if parsed.drivername.startswith("sqlite") and parsed.database and not os.path.exists(parsed.database):
+        raise StorageError(
+            f"there is no record at {without_password(url)}: bring the file back, or name its place with --storage"
+        )
+
+
+def is_file(url: str) -> bool:
+    """True for a storage in an SQLite file, which has one writer; False for one on a server, which has many."""
+    return make_url(url).drivername.startswith("sqlite")
