@@ -36,7 +36,7 @@ def result_document(registry: Registry, problem: DesignProblem, command: RunComm
         "format": "railsearch result 1",
         "status": "complete" if done else "incomplete",
         "command": command.line,
-        "problem": _problem(problem) | {"sections": identity["sections"]},
+        "problem": problem_document(problem) | {"sections": identity["sections"]},
         "strategy": identity["strategy"],
         "scalariser": identity["scalariser"] and identity["scalariser"] | {"values": scalariser_values(problem)},
         "budget": identity["budget"],
@@ -92,6 +92,17 @@ def improvement(problem: DesignProblem, reference: Evaluation | None, found: Eva
     return percent
 
 
+def problem_document(problem: DesignProblem) -> dict[str, Any]:
+    """Name, quantities and variables of a problem in plain JSON types."""
+    return {
+        "name": problem.name,
+        "label": problem.label,
+        "objectives": [dataclasses.asdict(quantity) for quantity in problem.objectives],
+        "metrics": [dataclasses.asdict(quantity) for quantity in problem.metrics],
+        "variables": [dataclasses.asdict(variable) for variable in problem.space.variables],
+    }
+
+
 def evaluation_document(problem: DesignProblem, evaluation: Evaluation) -> dict[str, Any]:
     """An evaluation in plain JSON types; what is not a finite number is null."""
     objectives = zip(problem.objectives, evaluation.objectives, strict=True)
@@ -132,16 +143,6 @@ def plugins_used(registry: Registry, identity: Mapping[str, Any]) -> list[dict[s
         for entry in registry.entries()
         if (entry.kind, entry.name) in names or entry.kind in ("track-model", "surrogate")
     ]
-
-
-def _problem(problem: DesignProblem) -> dict[str, Any]:
-    return {
-        "name": problem.name,
-        "label": problem.label,
-        "objectives": [dataclasses.asdict(quantity) for quantity in problem.objectives],
-        "metrics": [dataclasses.asdict(quantity) for quantity in problem.metrics],
-        "variables": [dataclasses.asdict(variable) for variable in problem.space.variables],
-    }
 
 
 def _natural(quantity: Quantity, value: float) -> float:
