@@ -72,7 +72,7 @@ def igd_plus(objectives: FloatArray, reference_front: FloatArray) -> float:
 
     IGD+ = (1/q) Σ_z min_f ‖max(f − z, 0)‖, so that only being worse than z counts as distance.
     Raises InputError for an empty reference front, for values that are not finite, and for shapes that do not agree.
-    Source: Ishibuchi et al. 2015, equations 17 and 18.
+    Source: Ishibuchi et al. 2015.
     """
     import moocore
 

@@ -39,7 +39,7 @@ def relative_targets(curves: FloatArray, count: int = 20, precision: float = 0.0
     differences of values count, so that values of any sign can be used, and targets do not change with scale and shift.
     There are no targets without a value. Where no run is better than the start, all targets are the start itself.
     Raises InputError for a count below one and a precision outside (0, 1).
-    Source: Hansen et al. 2021, section 4.2, with B_best in place of the optimum, which simulations do not tell.
+    Source: Hansen et al. 2021, with B_best in place of the optimum, which simulations do not tell.
     """
     if count < 1 or not 0.0 < precision < 1.0:
         raise InputError(f"targets: count ≥ 1 and 0 < precision < 1 are needed, received {count} and {precision}")
@@ -57,7 +57,7 @@ def relative_targets(curves: FloatArray, count: int = 20, precision: float = 0.0
 def runlengths(curves: FloatArray, targets: FloatArray) -> FloatArray:
     """Runlengths RL (r, t): the first evaluation, from 1, at which a run of curves B (r, n) is at or below a target.
 
-    +∞ where the run never gets there. Source: Hansen et al. 2021, section 4.
+    +∞ where the run never gets there. Source: Hansen et al. 2021.
     """
     hit = np.asarray(curves)[:, :, None] <= np.asarray(targets)
     return np.where(hit.any(axis=1), hit.argmax(axis=1) + 1.0, np.inf)
@@ -68,7 +68,7 @@ def expected_running_time(runlengths: FloatArray, budget: ArrayLike) -> FloatArr
 
     ERT = (Σ RL of the runs that succeed + Σ budget of those that do not) / number of successes; +∞ without one.
     runlengths: RL (r, t); budget: evaluations of every run, or of each one (r,).
-    Source: Auger and Hansen 2005; Hansen et al. 2021, equation 3.
+    Source: Auger and Hansen 2005; Hansen et al. 2021.
     """
     lengths = np.asarray(runlengths, dtype=float)
     spent = np.broadcast_to(np.asarray(budget, dtype=float), len(lengths))[:, None]
@@ -82,7 +82,7 @@ def runlength_ecdf(runlengths: FloatArray, budgets: ArrayLike) -> FloatArray:
     """The fraction (b,) of all pairs of run and target with RL ≤ budget, for budgets (b,).
 
     runlengths: RL of any shape, so that those of many problems can be joined. Raises InputError without a pair.
-    Source: Hansen et al. 2021, section 5.2.
+    Source: Hansen et al. 2021.
     """
     lengths = np.sort(np.ravel(runlengths))
     if lengths.size == 0:
