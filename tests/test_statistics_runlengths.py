@@ -12,7 +12,7 @@ CURVES = np.array([[NAN, 8.0, 8.0, 2.0], [9.0, 6.0, 5.0, 5.0], [NAN, NAN, NAN, N
 
 
 def test_targets_divide_the_way_from_the_median_start_to_the_best() -> None:
-    curves = np.array([[NAN, 9.0, 4.0], [10.0, 10.0, 0.0], [11.0, 7.0, 5.0]])
+    curves = np.array([[NAN, 9.0, 4.0], [10.0, 10.0, 0.0], [17.0, 7.0, 5.0]])
     targets = relative_targets(curves, count=4, precision=0.01)
     assert (targets.start, targets.best) == (10.0, 0.0)
     np.testing.assert_allclose(targets.fractions, 10.0 ** np.array([-0.5, -1.0, -1.5, -2.0]))
