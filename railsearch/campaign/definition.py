@@ -12,15 +12,19 @@
 
     [[problem]]                           # a problem with more to say
     name = "level-crossing"
-    label = "front"                       # default: its name
-    objectives = ["F_max", "E_max"]       # default: the problem's own choice
+    label = "asf"                         # default: its name
+    parameters = "my-site.toml"           # a site file, beside this file
+    sections = { track = { passage = { speed = 40.0 } } }       # single values in place of those of the site file, as are
+    worst = { F_max = 7000.0 }                                  # the worst values
+    given = [{ xr1 = 100.0 }]             # designs after the reference design and those of the site file
     scalarise = "asf"                     # default: not scalarised
     scalariser_settings = { rho = 0.1 }
-    parameters = "my-site.toml"           # site file, beside this file
-    sections = { track = { passage = { speed = 40.0 } } }       # over those of the site file, as are
-    worst = { F_max = 7000.0 }                                  # the worst values
-    given = [{ xr1 = 100.0 }]             # designs after the reference design and the site file's
-    reference_point = { F_max = 6000.0, E_max = 1.5 }           # of hypervolume, default: the worst values
+
+    [[problem]]
+    name = "level-crossing"
+    label = "front"
+    objectives = ["F_max", "E_max"]       # default: the problem's own choice
+    reference_point = { F_max = 6000.0, E_max = 1.5 }           # of hypervolume; default: the worst values
 
     [[strategy]]                          # a strategy with settings
     name = "dycors"
@@ -46,8 +50,8 @@ from railsearch.run_identity import all_settings
 from railsearch.site import read_toml
 
 _EXAMPLES = {"budget": 200, "repetitions": 15, "seed": 1}
+# Three labels and a number make a study's name, which Optuna's tables hold up to 512 characters.
 LONGEST_LABEL = 100
-"""Three labels and a number make a study's name, which Optuna's tables hold up to 512 characters."""
 
 T = TypeVar("T")
 
@@ -94,7 +98,7 @@ def load_campaign(registry: Registry, path: Path) -> Campaign:
     problems = _problems(registry, general, document, path.parent, searched_by, faults)
     name = path.stem if general.name is None else general.name
     _check_labels("campaign", [name], faults)
-    _check_required(general, faults)
+    _check_required(document.campaign or {}, faults)
     faults.raise_all(str(path))
     return Campaign(
         name,
@@ -153,11 +157,10 @@ def _title(table: Mapping[str, object]) -> str:
     return f"{table.get('label', table.get('name', 'without a name'))}"
 
 
-def _check_required(general: _CampaignTable, faults: Faults) -> None:
-    missing = [name for name in ("budget", "repetitions", "seed") if getattr(general, name) is None]
-    told = [name for name in missing if not any(f"[campaign].{name}:" in message for message in faults.messages)]
-    if told:
-        faults.add(f"[campaign]: {', '.join(told)} must be given, for instance {told[0]} = {_EXAMPLES[told[0]]}")
+def _check_required(given: Mapping[str, object], faults: Faults) -> None:
+    missing = [name for name in _EXAMPLES if name not in given]
+    if missing:
+        faults.add(f"[campaign]: {', '.join(missing)} must be given, for instance {missing[0]} = {_EXAMPLES[missing[0]]}")
 
 
 def _check_labels(kind: str, labels: Sequence[str], faults: Faults) -> None:

@@ -14,8 +14,8 @@ from railsearch.run_identity import all_settings, problem_identity, problem_sett
 from railsearch.seeding import cell_seeds
 from railsearch.storage import identity_differences, plain
 
+# What every cell depends on.
 FIXED = ("campaign", "budget", "seed", "batch")
-"""What all cells depend on."""
 
 
 @dataclass(frozen=True)

@@ -127,23 +127,29 @@ def _check_parts(
 
 
 def _reference_point(problem: DesignProblem, asked: Mapping[str, Any]) -> dict[str, float]:
-    """The reference point of hypervolume by objective with its natural sign; the worst values where nothing is asked for."""
+    """The reference point of hypervolume by objective with its natural sign; empty where the worst values serve as it."""
     names = [objective.name for objective in problem.objectives]
     if problem.n_obj < 2:
         if asked:
             raise InputError(f"reference_point: it serves two objectives or more, this problem has {names[0]}; leave it out")
         return {}
+    others = [name for name in asked if name not in names]
+    if others:
+        raise InputError(f"reference_point: {', '.join(others)} is not minimised here; this problem has {', '.join(names)}")
     point: dict[str, Any] = {**natural_worst(problem), **asked}
     missing = [name for name in names if name not in point]
     if missing:
         raise InputError(
             f"reference_point: values of {', '.join(missing)} are needed that good designs do not exceed; hypervolume is "
-            "measured from there"
+            "measured from there, the same for all runs"
         )
-    for name in names:
-        if isinstance(point[name], bool) or not isinstance(point[name], int | float) or not math.isfinite(point[name]):
-            raise InputError(f"reference_point.{name}: a finite number is needed, received {point[name]!r}")
-    return {name: float(point[name]) for name in names}
+    return {name: _finite(point[name], f"reference_point.{name}") for name in names if asked}
+
+
+def _finite(value: object, field: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise InputError(f"{field}: a finite number is needed, received {value!r}")
+    return float(value)
 
 
 def _check_first_designs(problem: DesignProblem, given: Sequence[Mapping[str, Any]], where: str, faults: Faults) -> None:
