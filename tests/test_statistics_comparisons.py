@@ -185,10 +185,30 @@ def test_strategies_always_in_the_same_order_fall_into_overlapping_groups() -> N
 
 
 def test_a_strategy_apart_from_all_is_in_no_group() -> None:
-    generator = np.random.default_rng(2)
-    values = np.column_stack([generator.random((30, 3)), np.full(30, INF), np.full(30, INF)])
-    groups = friedman(values).groups
-    assert sorted(map(sorted, groups)) == [[0, 1, 2], [3, 4]]
+    alike = np.random.default_rng(2).random((30, 3))
+    worst = friedman(np.column_stack([alike, np.full(30, INF)]))
+    assert [sorted(group) for group in worst.groups] == [[0, 1, 2]]
+    best = friedman(np.column_stack([np.full(30, -1.0), alike]))
+    assert [sorted(group) for group in best.groups] == [[1, 2, 3]]
+    pairs = friedman(np.column_stack([alike, np.full((30, 2), INF)]))
+    assert [sorted(group) for group in pairs.groups] == [[0, 1, 2], [3, 4]]
+
+
+def test_no_pair_differs_if_the_test_as_a_whole_shows_nothing() -> None:
+    """The best and the worst mean rank lie more than CD apart here, but χ²_F does not reject (p = 0.094)."""
+    ranks = [
+        [3, 4, 7, 5, 1, 6, 2, 8],
+        [2, 1, 3, 5, 7, 4, 6, 8],
+        [7, 4, 6, 2, 5, 1, 3, 8],
+        [2, 1, 6, 3, 8, 5, 7, 4],
+        [8, 1, 6, 7, 4, 3, 5, 2],
+        [7, 2, 3, 4, 6, 8, 1, 5],
+        [7, 1, 2, 5, 6, 4, 3, 8],
+    ]
+    result = friedman(ranks)
+    assert result.critical_difference is not None
+    assert np.ptp(result.mean_ranks) > result.critical_difference
+    assert [sorted(group) for group in result.groups] == [list(range(8))]
 
 
 @given(hnp.arrays(float, st.tuples(st.integers(2, 6), st.integers(3, 5)), elements=st.integers(-3, 3).map(float)))
