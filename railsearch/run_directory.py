@@ -50,11 +50,11 @@ class RunDirectory:
 
     def stored(self) -> dict[str, Any] | None:
         """What run.json says: {"command", "storage", "identity"}; None without a run. Raises StorageError."""
-        return _document(self.folder / IDENTITY_FILE)
+        return read_document(self.folder / IDENTITY_FILE)
 
     def stored_result(self) -> dict[str, Any] | None:
         """What result.json says, None without one. Raises StorageError if it cannot be read."""
-        return _document(self.result)
+        return read_document(self.result)
 
     @contextmanager
     def claimed(self, document: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
@@ -63,14 +63,8 @@ class RunDirectory:
         Gives the document of the command that began the run.
         Raises StorageError if the folder cannot be written, belongs to another run or is in use by another process.
         """
-        self._make()
-        with (self.folder / LOCK_FILE).open("a+", encoding="utf-8") as lock:
-            try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError:
-                raise StorageError(
-                    f"{self.folder} is in use by another process: wait for it, or use another folder"
-                ) from None
+        make_folder(self.folder)
+        with locked(self.folder):
             begun = self._begun(document)
             if begun is None:
                 self.write(IDENTITY_FILE, json.dumps(document, indent=1, ensure_ascii=False))
@@ -84,17 +78,6 @@ class RunDirectory:
     def write(self, name: str, text: str) -> None:
         """Write a file whole or not at all."""
         write_whole(self.folder / name, text.encode("utf-8"))
-
-    def _make(self) -> None:
-        with writing(self.folder):
-            self.folder.mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryFile(dir=self.folder):
-                pass
-            free = shutil.disk_usage(self.folder).free
-        if free < SPACE_NEEDED:
-            raise StorageError(
-                f"{self.folder}: only {free / 1e6:.1f} MB are free, a run needs {SPACE_NEEDED / 1e6:g} MB or more"
-            )
 
     def _begun(self, document: Mapping[str, Any]) -> dict[str, Any] | None:
         """What run.json says, None in a new folder. Raises StorageError if that is another run."""
@@ -119,7 +102,30 @@ class RunDirectory:
         return stored
 
 
-def _document(path: Path) -> dict[str, Any] | None:
+def make_folder(folder: Path) -> None:
+    """Make a folder that can be written and has room. Raises StorageError."""
+    with writing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+        free = shutil.disk_usage(folder).free
+    if free < SPACE_NEEDED:
+        raise StorageError(f"{folder}: only {free / 1e6:.1f} MB are free, {SPACE_NEEDED / 1e6:g} MB or more are needed")
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Hold a folder. Raises StorageError if it is in use by another process."""
+    with (folder / LOCK_FILE).open("a+", encoding="utf-8") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            raise StorageError(f"{folder} is in use by another process: wait for it, or use another folder") from None
+        yield
+
+
+def read_document(path: Path) -> dict[str, Any] | None:
+    """A JSON file, None if there is none. Raises StorageError if it cannot be read."""
     if not path.exists():
         return None
     try:

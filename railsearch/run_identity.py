@@ -75,8 +75,8 @@ def problem_settings_of(identity: Mapping[str, Any]) -> ProblemSettings:
     )
 
 
-def settings_of(identity: Mapping[str, Any], timeout: float | None = None) -> RunSettings:
-    """The settings of a run; the time limit of an evaluation does not identify it."""
+def settings_of(identity: Mapping[str, Any], timeout: float | None = None, workers: int = 1) -> RunSettings:
+    """The settings of a run; the time limit of an evaluation and the workers on a batch do not identify it."""
     strategy = identity["strategy"]
     return RunSettings(
         strategy["name"],
@@ -86,6 +86,7 @@ def settings_of(identity: Mapping[str, Any], timeout: float | None = None) -> Ru
         identity["batch"],
         timeout,
         identity.get("initial_seed"),
+        workers,
     )
 
 

@@ -193,7 +193,7 @@ def _start(process: BaseProcess) -> None:
 
 def _serve(connection: Connection, problem: DesignProblem) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    threading.Thread(target=end_with_parent, daemon=True).start()
     problem.warm_up()
     connection.send(None)
     worker = InProcess(problem)
@@ -205,7 +205,8 @@ def _serve(connection: Connection, problem: DesignProblem) -> None:
         connection.send(worker.simulate(design))
 
 
-def _end_with_parent() -> None:
+def end_with_parent() -> None:
+    """Wait for the end of the process that started this one, then end this one: for a thread of a worker process."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         parent.join()

@@ -7,6 +7,7 @@ server releases when the session ends. An SQLite file has one writer: its claim 
 import fcntl
 import hashlib
 import threading
+from contextlib import suppress
 from typing import IO, Protocol
 
 from sqlalchemy import Connection, create_engine, text
@@ -72,11 +73,10 @@ class ServerClaims:
     def release(self, name: str) -> None:
         """Let a study go; if the connection broke, the server has done it."""
         with self._lock:
-            if name in self._held:
-                connection = self._connected()
-                if name in self._held:
-                    connection.execute(text(RELEASE[connection.dialect.name]), _key(name))
-                self._held.discard(name)
+            if name in self._held and self._connection is not None:
+                with suppress(SQLAlchemyError):
+                    self._connection.execute(text(RELEASE[self._connection.dialect.name]), _key(name))
+            self._held.discard(name)
 
     def close(self) -> None:
         """Let everything go."""

@@ -1,0 +1,140 @@
+"""Places where the runs of cells are carried out: this process, or processes of this machine."""
+
+import multiprocessing
+import signal
+import threading
+from collections.abc import Sequence
+from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
+from typing import Protocol
+
+from railsearch.campaign.cell_run import LiveRuns, Request, Step, advance
+from railsearch.plugin_manager import Registry
+from railsearch.simulation import end_with_parent
+
+
+class PlaceLost(Exception):
+    """A place died or cannot be reached; what was under way there is lost."""
+
+
+class Place(Protocol):
+    """Carries runs on, one request at a time."""
+
+    @property
+    def name(self) -> str:
+        """What tells it from other places."""
+
+    def advance(self, request: Request) -> Step:
+        """Answer a request. Raises PlaceLost."""
+
+    def close(self) -> None:
+        """Stop what is under way and release what is held."""
+
+
+class Places(Protocol):
+    """All places at the moment; there may be more or fewer a moment later."""
+
+    def present(self) -> Sequence[Place]:
+        """The places that can be used now; a place keeps its object and name as long as it lasts."""
+
+    def close(self) -> None:
+        """Close all of them."""
+
+
+class Here:
+    """This process."""
+
+    name = "here"
+
+    def __init__(self, registry: Registry) -> None:
+        self._runs = LiveRuns(registry)
+
+    def advance(self, request: Request) -> Step:
+        """Carry a run on."""
+        return self._runs.advance(request)
+
+    def close(self) -> None:
+        """End all runs as soon as the evaluation under way is finished."""
+        self._runs.close()
+
+
+class Worker:
+    """A process of this machine, started when it is first needed and again after it died."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self._process: BaseProcess | None = None
+        self._connection: Connection | None = None
+        self._closed = False
+        self._starting = threading.Lock()
+
+    def advance(self, request: Request) -> Step:
+        """Let the process carry a run on. Raises PlaceLost when it dies meanwhile."""
+        connection = self._started()
+        try:
+            connection.send(request)
+            step: Step = connection.recv()
+        except (EOFError, OSError) as error:
+            self._end()
+            raise PlaceLost(f"{self.name} died ({error or 'no answer'})") from None
+        return step
+
+    def close(self) -> None:
+        """Kill the process."""
+        with self._starting:
+            self._closed = True
+        self._end()
+
+    def _started(self) -> Connection:
+        with self._starting:
+            if self._closed:
+                raise PlaceLost(f"{self.name} is closed")
+            if self._connection is None:
+                context = multiprocessing.get_context("spawn")
+                self._connection, theirs = context.Pipe()
+                # Not daemonic: it may have processes of its own for time limits and batches.
+                self._process = context.Process(target=_serve, args=(theirs,), name=self.name)
+                self._process.start()
+                theirs.close()
+            return self._connection
+
+    def _end(self) -> None:
+        if self._process is not None and self._connection is not None:
+            self._process.kill()
+            self._process.join()
+            self._connection.close()
+        self._process = self._connection = None
+
+
+class FixedPlaces:
+    """Places that stay the same."""
+
+    def __init__(self, members: Sequence[Place]) -> None:
+        self._members = tuple(members)
+
+    def present(self) -> Sequence[Place]:
+        """All of them."""
+        return self._members
+
+    def close(self) -> None:
+        """Close all of them."""
+        for place in self._members:
+            place.close()
+
+
+def places_here(registry: Registry, workers: int) -> FixedPlaces:
+    """This process for one worker, otherwise that many processes."""
+    if workers == 1:
+        return FixedPlaces([Here(registry)])
+    return FixedPlaces([Worker(f"worker {number + 1}") for number in range(workers)])
+
+
+def _serve(connection: Connection) -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=end_with_parent, daemon=True).start()
+    while True:
+        try:
+            request = connection.recv()
+        except EOFError:
+            return
+        connection.send(advance(request))
