@@ -75,10 +75,11 @@ def cells_of(registry: Registry, campaign: Campaign) -> dict[Cell, dict[str, Any
 
 
 def test_a_campaign_is_made_again_from_its_identity(registry: Registry, load: Load) -> None:
-    campaign = load(TEXT)
+    campaign = load(TEXT.replace("seed = 1", "seed = 1\nbatch = 2\ntimeout = 9.0"))
     identity = identity_of(registry, campaign)
     again = campaign_of(json.loads(json.dumps(identity, allow_nan=False)))
     assert identity_of(registry, again) == identity
+    assert (again.batch_size, again.timeout) == (2, 9.0)
     assert list(again.cells()) == list(campaign.cells())
     assert cells_of(registry, again) == cells_of(registry, campaign)
 
