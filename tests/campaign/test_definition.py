@@ -351,6 +351,22 @@ def test_a_budget_below_the_start_of_a_strategy_is_refused_for_that_pair(load: L
     assert "ZeroDivisionError: no generations" in found["narrow"], "a stranger's strategy that breaks is one refusal"
 
 
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ('surrogate = "rfb"', ("unknown surrogate 'rfb'", "did you mean 'rbf'")),
+        ('surrogate_settings = { kernal = "linear" }', ("surrogate rbf", "did you mean 'kernel'")),
+    ],
+)
+def test_a_surrogate_that_is_not_there_is_refused_before_anything_is_evaluated(
+    load: Load, registry: Registry, settings: str, words: tuple[str, ...]
+) -> None:
+    campaign = load(BOTH + f'[[strategy]]\nname = "dycors"\nsettings = {{ {settings} }}\n')
+    (refusal,) = refusals(registry, campaign, make_problems(registry, campaign))
+    assert refusal.strategy == "dycors"
+    assert all(word in refusal.reason for word in words), refusal.reason
+
+
 def test_more_given_designs_than_evaluations_are_refused(load: Load, registry: Registry) -> None:
     rows = ", ".join(f"{{ x1 = {number / 20} }}" for number in range(61))
     campaign = load(HEAD + f'strategies = ["random"]\n[[problem]]\nname = "sphere"\ngiven = [{rows}]\n')

@@ -33,6 +33,7 @@ class MetricSearch:
         self._trajectory = Trajectory(0, context.budget, context.space.dimension, parameters)
         self._initial: list[FloatArray] = []
         self._evaluated: dict[bytes, FloatArray] = {}
+        self._new_surrogate()  # an unknown one is refused here, before anything is evaluated
 
     @property
     def minimum_budget(self) -> int:
