@@ -30,11 +30,12 @@ REASONS_LISTED = 5
 Pair = tuple[str, str]
 
 
-def campaign_document(results: CampaignResults, skipped: Collection[Pair] = ()) -> dict[str, Any]:
+def campaign_document(results: CampaignResults, skipped: Collection[Pair] = (), command: str = "") -> dict[str, Any]:
     """The statistics of a campaign in plain JSON types, all values with their natural sign, null for what is not finite.
 
-    skipped: pairs (problem, strategy) that were left out by decision; they count as not applicable. The bootstrap
-    draws from a generator seeded by the campaign's seed: the same results give the same document.
+    skipped: pairs (problem, strategy) that were left out by decision; they count as not applicable; command:
+    the command line that runs the campaign. The bootstrap draws from a generator seeded by the campaign's seed: the same
+    results give the same document.
     """
     generator = np.random.default_rng(results.campaign.seed)
     campaign = results.campaign
@@ -50,6 +51,7 @@ def campaign_document(results: CampaignResults, skipped: Collection[Pair] = ()) 
         "status": "complete" if all(cell["complete"] == cell["planned"] for cell in cells) else "incomplete",
         "conclusion": campaign_conclusion(problems, ranking, campaign.budget),
         "notes": _notes(campaign, problems, ranking),
+        "command": command,
         "campaign": campaign_plain(campaign),
         "skipped": sorted(list(pair) for pair in skipped),
         "planned": sum(cell["planned"] for cell in cells),

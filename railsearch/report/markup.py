@@ -29,7 +29,7 @@ $style</style>
 <h1>$title</h1>
 <p class="lead">$summary</p>
 $content
-</body>
+$script</body>
 </html>
 """)
 
@@ -38,10 +38,12 @@ class Markup(str):
     """Text that is HTML already and is not escaped again."""
 
 
-def page(title: str, summary: str, content: Iterable[str], styles: Sequence[str] = ()) -> str:
-    """A page of a title, a summary and HTML parts; styles: further style sheets of this package beside page.css."""
+def page(title: str, summary: str, content: Iterable[str], styles: Sequence[str] = (), scripts: Sequence[str] = ()) -> str:
+    """A page of a title, a summary and HTML parts; styles and scripts: files of this package beside page.css."""
     style = "".join(resource(name) for name in ("page.css", *styles))
-    return PAGE.substitute(title=escaped(title), summary=escaped(summary), content="\n".join(content), style=style)
+    script = "".join(f"<script>\n{resource(name)}</script>\n" for name in scripts)
+    parts = {"title": escaped(title), "summary": escaped(summary), "content": "\n".join(content)}
+    return PAGE.substitute(parts, style=style, script=script)
 
 
 def resource(name: str) -> str:
@@ -49,9 +51,10 @@ def resource(name: str) -> str:
     return files("railsearch.report").joinpath(name).read_text(encoding="utf-8")
 
 
-def section(title: str, content: str) -> str:
-    """A section under its heading."""
-    return f"<section><h2>{escaped(title)}</h2>\n{content}\n</section>"
+def section(title: str, content: str, name: str = "") -> str:
+    """A section under its heading; name: the identifier by which it is referred to."""
+    opening = f'<section id="{escaped(name)}">' if name else "<section>"
+    return f"{opening}<h2>{escaped(title)}</h2>\n{content}\n</section>"
 
 
 def table(titles: Row, rows: Iterable[Row], numbers: Iterable[int] = (), marked: Sequence[bool] = (), kind: str = "") -> str:
@@ -66,16 +69,21 @@ def table(titles: Row, rows: Iterable[Row], numbers: Iterable[int] = (), marked:
     )
 
 
-def picture(name: str, figure: Figure) -> str:
-    """A figure with its label as the caption, drawn into the page."""
+def picture(name: str, figure: Figure, kind: str = "") -> str:
+    """A figure with its label as the caption, drawn into the page; kind: its class."""
     caption = escaped(str(figure.get_label()))
-    drawing = inlined(drawn(figure, "svg", name).decode("utf-8"), name)
-    return f'<figure id="{escaped(name)}"><div class="scroll">{drawing}</div><figcaption>{caption}</figcaption></figure>'
+    opening = f'<figure id="{escaped(name)}" class="{kind}">' if kind else f'<figure id="{escaped(name)}">'
+    return f'{opening}<div class="scroll">{drawing(name, figure)}</div><figcaption>{caption}</figcaption></figure>'
 
 
-def inlined(drawing: str, name: str) -> str:
+def drawing(name: str, figure: Figure) -> str:
+    """A figure as an element of a page, without a caption."""
+    return inlined(drawn(figure, "svg", name).decode("utf-8"), name)
+
+
+def inlined(image: str, name: str) -> str:
     """An SVG file as an element of a page: no header, no metadata, identifiers made unique by the figure's name."""
-    element = re.sub(r"<metadata>.*?</metadata>", "", drawing[drawing.index("<svg") :], flags=re.DOTALL)
+    element = re.sub(r"<metadata>.*?</metadata>", "", image[image.index("<svg") :], flags=re.DOTALL)
     return re.sub(r'(\bid="|url\(#|href="#)', rf"\g<1>{name}-", element)
 
 
