@@ -7,6 +7,7 @@ from typing import Any
 
 import typer
 
+from railsearch.commands.campaign import campaign, export, report
 from railsearch.commands.catalogue import describe, init, list_plugins
 from railsearch.commands.evaluation import evaluate, sample, simulate
 from railsearch.commands.options import messages
@@ -36,6 +37,9 @@ def railsearch_commands(register: Callable[[str, Any], None]) -> None:
         ("run", run),
         ("show", show),
         ("dashboard", dashboard),
+        ("campaign", campaign),
+        ("report", report),
+        ("export", export),
     ):
         register(name, command)
 

@@ -21,6 +21,10 @@ class StorageError(RailsearchError):
     """The record of a run cannot be written, or belongs to another run."""
 
 
+class CampaignError(RailsearchError):
+    """Cells of a campaign could not be finished."""
+
+
 class SurrogateError(RailsearchError):
     """A surrogate cannot be fitted to the points it was given."""
 

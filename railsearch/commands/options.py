@@ -2,6 +2,7 @@
 
 import json
 import os
+import shlex
 import sys
 import tomllib
 from collections.abc import Sequence
@@ -18,6 +19,7 @@ from railsearch.plugin_manager import Registry
 from railsearch.problem_factory import ProblemSettings, amended_design, make_problem
 from railsearch.site import Site, read_site
 from railsearch.space import FloatArray
+from railsearch.storage import without_password
 
 ProblemName = Annotated[str, typer.Argument(metavar="PROBLEM", help="Name of a problem; see `railsearch list problem`.")]
 Parameters = Annotated[
@@ -30,6 +32,10 @@ Assignments = Annotated[
 Objectives = Annotated[
     str,
     typer.Option("--objectives", metavar="F_max,E_max", help="Objectives to minimise; default: the problem's own choice."),
+]
+Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run or a campaign (its --out).")]
+StorageUrl = Annotated[
+    str | None, typer.Option("--storage", metavar="URL", help="Optuna storage URL; default: an SQLite file in DIR.")
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print the result as JSON on standard output.")]
 
@@ -106,3 +112,13 @@ def readable(value: object) -> str:
     if value is None:
         return "–"
     return f"{value:.5g}" if isinstance(value, float) else str(value)
+
+
+def command_line() -> str:
+    """The command as it was given, without passwords."""
+    words = list(sys.argv[1:])
+    for position, word in enumerate(words[:-1]):
+        if word == "--storage":
+            words[position + 1] = without_password(words[position + 1])
+    words = [f"--storage={without_password(word[10:])}" if word.startswith("--storage=") else word for word in words]
+    return shlex.join(["railsearch", *words])

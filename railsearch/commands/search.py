@@ -1,7 +1,6 @@
 """Commands around a search: run, show, dashboard."""
 
 import json
-import shlex
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,11 +12,14 @@ from railsearch.commands.options import (
     AsJson,
     Asked,
     Assignments,
+    Folder,
     Objectives,
     Parameters,
     ProblemName,
+    StorageUrl,
     asked_problem,
     assignments,
+    command_line,
     messages,
     print_json,
     results,
@@ -44,11 +46,6 @@ from railsearch.storage import (
     without_password,
 )
 from railsearch.study_note import study_note
-
-Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run (its --out).")]
-StorageUrl = Annotated[
-    str | None, typer.Option("--storage", metavar="URL", help="Optuna storage URL; default: an SQLite file in DIR.")
-]
 
 
 def run(
@@ -93,7 +90,7 @@ def run(
     identity = plain(run_identity(registry, asked.settings, asked.problem, settings, given))
     folder = RunDirectory(out or Path(f"{name}-{strategy}-seed{settings.seed}"))
     url = None if storage is None else storage_url(storage)
-    document = {"command": _command_line(), "storage": url and without_password(url), "identity": identity}
+    document = {"command": command_line(), "storage": url and without_password(url), "identity": identity}
     with folder.claimed(document) as begun:
         command = RunCommand(begun["command"], identity)
         try:
@@ -232,13 +229,3 @@ def _url(directory: RunDirectory, stored: Mapping[str, Any], storage: str | None
     if "***" in url:
         raise StorageError(f"the record is at {url}, whose password was not kept: give it with --storage")
     return url
-
-
-def _command_line() -> str:
-    """The command as it was given, without passwords."""
-    words = list(sys.argv[1:])
-    for position, word in enumerate(words[:-1]):
-        if word == "--storage":
-            words[position + 1] = without_password(words[position + 1])
-    words = [f"--storage={without_password(word[10:])}" if word.startswith("--storage=") else word for word in words]
-    return shlex.join(["railsearch", *words])

@@ -3,6 +3,7 @@
 from railsearch.storage.access import Patience
 from railsearch.storage.address import check_storage, is_file, storage_url, without_password
 from railsearch.storage.claims import Claims, claims_of
+from railsearch.storage.progress import StudyProgress, read_progress
 from railsearch.storage.study import (
     IDENTITY,
     RunStorage,
@@ -20,12 +21,14 @@ __all__ = [
     "RunStorage",
     "Storage",
     "StudyDescription",
+    "StudyProgress",
     "check_storage",
     "claims_of",
     "identity_differences",
     "is_file",
     "open_run",
     "plain",
+    "read_progress",
     "storage_url",
     "without_password",
 ]

@@ -29,10 +29,15 @@ def without_password(url: str) -> str:
         return url
 
 
+def storage_exists(url: str) -> bool:
+    """False for an SQLite file that does not exist: opening it would make one."""
+    database = make_url(url).database
+    return not is_file(url) or database in (None, "", ":memory:") or os.path.exists(str(database))
+
+
 def check_storage(url: str) -> None:
     """Raise StorageError if the storage is an SQLite file that does not exist: opening it would make one."""
-    parsed = make_url(url)
-    if parsed.drivername.startswith("sqlite") and parsed.database and not os.path.exists(parsed.database):
+    if not storage_exists(url):
         raise StorageError(
             f"there is no record at {without_password(url)}: bring the file back, or name its place with --storage"
         )
