@@ -6,18 +6,19 @@ has nulls in it, and so has an evaluation without a value. Where a name stands f
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+import json
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from io import BytesIO
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from railsearch.campaign.cells import CampaignProblem
 from railsearch.campaign.export.recorded import Recorded, recorded_cells
-from railsearch.campaign.measure import HYPERVOLUME, Measure, measure_of
+from railsearch.campaign.measure import HYPERVOLUME, Box, Measure, measure_of
 from railsearch.campaign.results import CampaignResults, CellRecord
 from railsearch.design_problem import DesignProblem
 from railsearch.interfaces import Quantity
@@ -60,17 +61,21 @@ def results_table(results: CampaignResults) -> pa.Table:
     """The table: campaign, problem, strategy, repetition, evaluation (from 1), what was evaluated and what became of it.
 
     Objectives and metrics have their natural sign; `best_so_far` is that of a problem with one objective,
-    `hypervolume_so_far` that of one with more; `reason` is null unless the evaluation failed.
+    `hypervolume_so_far` that of one with more, between the ideal and the reference point that the table's metadata state;
+    `reason` is null unless the evaluation failed.
     """
     import pyarrow as pa
 
     rows = recorded_cells(results)
-    columns = [*_places(results, rows), *_described(results, rows), *_measures(results, rows), *_circumstances(rows)]
+    measures = {asked.label: _measure(results, asked) for asked in results.campaign.problems}
+    columns = [*_places(results, rows), *_described(results, rows), *_measured(measures, rows), *_circumstances(rows)]
     fields = [
         pa.field(column.label, column.values.type, metadata={"unit": column.unit, "meaning": column.meaning})
         for column in columns
     ]
-    schema = pa.schema(fields, metadata={"format": FORMAT, "campaign": results.campaign.name})
+    boxes = json.dumps({label: _box(results.problems[label], m.box) for label, m in measures.items() if m.box is not None})
+    about = {"format": FORMAT, "campaign": results.campaign.name, "hypervolume_boxes": boxes}
+    schema = pa.schema(fields, metadata=about)
     return pa.Table.from_arrays([column.values for column in columns], schema=schema)
 
 
@@ -168,13 +173,12 @@ def _label(described: Described, all_described: Collection[Described]) -> str:
     return described.name if alone else _with_unit(f"{described.kind} {described.name}", described.unit)
 
 
-def _measures(results: CampaignResults, rows: Recorded) -> Iterator[Column]:
+def _measured(measures: Mapping[str, Measure], rows: Recorded) -> Iterator[Column]:
     """Feasibility, and the measure by which each problem compares its runs, so far."""
     import pyarrow as pa
 
     feasible = [record.feasible for _, record in rows]
     yield Column("feasible", pa.array(np.concatenate([np.empty(0, bool), *feasible])), meaning="kept all constraints")
-    measures = {asked.label: _measure(results, asked) for asked in results.campaign.problems}
     own = [measures[cell.problem] for cell, _ in rows]
     curves = [m.natural(m.curve(record, len(record.objectives))) for m, (_, record) in zip(own, rows, strict=True)]
     units = {measure.quantity.unit for measure in measures.values() if measure.box is None}
@@ -192,6 +196,15 @@ def _measures(results: CampaignResults, rows: Recorded) -> Iterator[Column]:
 def _measure(results: CampaignResults, asked: CampaignProblem) -> Measure:
     records = [record for cell, record in results.records.items() if cell.problem == asked.label]
     return measure_of(results.problems[asked.label], asked, records)
+
+
+def _box(problem: DesignProblem, box: Box) -> dict[str, Any]:
+    """The ideal and the reference point by objective, with their natural sign."""
+    signs = [-1.0 if quantity.maximised else 1.0 for quantity in problem.objectives]
+    names = [quantity.name for quantity in problem.objectives]
+    points = {"ideal": signs * box.ideal, "reference": signs * box.reference}
+    named = {kind: dict(zip(names, point.tolist(), strict=True)) for kind, point in points.items()}
+    return named | {"source": box.source}
 
 
 def _circumstances(rows: Recorded) -> Iterator[Column]:
