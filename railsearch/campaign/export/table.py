@@ -200,11 +200,10 @@ def _measure(results: CampaignResults, asked: CampaignProblem) -> Measure:
 
 def _box(problem: DesignProblem, box: Box) -> dict[str, Any]:
     """The ideal and the reference point by objective, with their natural sign."""
-    signs = [-1.0 if quantity.maximised else 1.0 for quantity in problem.objectives]
+    signs = np.array([-1.0 if quantity.maximised else 1.0 for quantity in problem.objectives])
     names = [quantity.name for quantity in problem.objectives]
-    points = {"ideal": signs * box.ideal, "reference": signs * box.reference}
-    named = {kind: dict(zip(names, point.tolist(), strict=True)) for kind, point in points.items()}
-    return named | {"source": box.source}
+    ideal, reference = (dict(zip(names, (signs * point).tolist(), strict=True)) for point in (box.ideal, box.reference))
+    return {"ideal": ideal, "reference": reference, "source": box.source}
 
 
 def _circumstances(rows: Recorded) -> Iterator[Column]:
