@@ -54,8 +54,8 @@ def _from_tables(connection: Connection, prefix: str) -> dict[str, StudyProgress
         .select_from(STUDIES.join(STUDY_ATTRIBUTES, STUDY_ATTRIBUTES.c.study_id == STUDIES.c.study_id))
         .where(mine, STUDY_ATTRIBUTES.c.key == IDENTITY)
     )
-    identities = {name: json.loads(text) for name, text in connection.execute(identified).tuples()}
-    counts = connection.execute(counted).tuples()
+    identities = {name: json.loads(text) for name, text in connection.execute(identified)}
+    counts = connection.execute(counted)
     return {name: StudyProgress(identities.get(name), count) for name, count in counts if name.startswith(prefix)}
 
 

@@ -124,7 +124,7 @@ def _from_tables(connection: Connection, prefix: str) -> Iterator[_Gathered]:
         .order_by(STUDIES.c.study_id)
     )
     # LIKE does not tell upper from lower case in every database.
-    rows = [row for row in connection.execute(counted).tuples() if row[1].startswith(prefix)]
+    rows = [row for row in connection.execute(counted) if row[1].startswith(prefix)]
     for names in _batches(rows):
         yield from _batch(connection, names)
 
@@ -146,13 +146,11 @@ def _batches(rows: Iterable[tuple[int, str, int]]) -> Iterator[dict[int, str]]:
 def _batch(connection: Connection, names: Mapping[int, str]) -> Iterable[_Gathered]:
     identities = select(STUDY_ATTRIBUTES.c.study_id, STUDY_ATTRIBUTES.c.value_json)
     identities = identities.where(STUDY_ATTRIBUTES.c.key == IDENTITY, STUDY_ATTRIBUTES.c.study_id.in_(names))
-    studies = {
-        study: _Gathered(names[study], json.loads(identity)) for study, identity in connection.execute(identities).tuples()
-    }
+    studies = {study: _Gathered(names[study], json.loads(identity)) for study, identity in connection.execute(identities)}
     # Trials come first: of those that are stored meanwhile, what the later SELECTs find is left out.
     places: dict[int, tuple[_Gathered, int]] = {}
     trials = select(TRIALS.c.trial_id, TRIALS.c.study_id, TRIALS.c.state).where(TRIALS.c.study_id.in_(studies))
-    for trial, study, state in connection.execute(trials).tuples():
+    for trial, study, state in connection.execute(trials):
         places[trial] = (studies[study], len(studies[study].states))
         studies[study].states.append(state)
     _fill(connection, list(studies), places)
@@ -171,7 +169,7 @@ def _fill(connection: Connection, studies: Sequence[int], places: Mapping[int, t
         joined = source.join(TRIALS, TRIALS.c.trial_id == source.c.trial_id)
         rows = select(source.c.trial_id, source.c[key], source.c[value]).select_from(joined)
         rows = rows.where(TRIALS.c.study_id.in_(studies), *where)
-        for trial, name, entry in connection.execute(rows).tuples():
+        for trial, name, entry in connection.execute(rows):
             if trial in places:
                 study, row = places[trial]
                 entries = getattr(study, part)[name]
