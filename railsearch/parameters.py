@@ -6,6 +6,7 @@ The same description serves validation at the door, `railsearch describe` and th
 import dataclasses
 import difflib
 import math
+import sys
 import types
 import typing
 from collections.abc import Iterator, Mapping, Sequence
@@ -157,6 +158,8 @@ def _converted(value: object, kind: object) -> object:
         return dict(value) if isinstance(value, Mapping) else None
     if kind in (int, float):
         if isinstance(value, bool) or not isinstance(value, (int, float)):
+            return None
+        if isinstance(value, int) and abs(value) > sys.float_info.max:
             return None
         if kind is int and value != int(value if math.isfinite(value) else 0):
             return None

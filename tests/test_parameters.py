@@ -40,6 +40,8 @@ def test_values_replace_defaults_and_keep_their_kind() -> None:
         ({"pad": {"stiffness": "soft"}}, ("site.pad.stiffness", "a number", "'soft'")),
         ({"pad": {"rows": 1.5}}, ("site.pad.rows", "an integer", "1.5")),
         ({"pad": {"rows": float("inf")}}, ("site.pad.rows", "an integer", "inf")),
+        ({"pad": {"rows": 10**400}}, ("site.pad.rows", "an integer", "1000")),
+        ({"pad": {"stiffness": 10**400}}, ("site.pad.stiffness", "a number", "1000")),
         ({"pad": {"spacings": [0.6, -1]}}, ("site.pad.spacings", "> 0", "-1.0 m")),
         ({"pad": {"spacings": 0.6}}, ("site.pad.spacings", "a list", "0.6")),
         ({"pad": {"load": "guess"}}, ("site.pad.load", "'from masses'", "'guess'")),

@@ -52,6 +52,8 @@ from railsearch.site import read_toml
 _EXAMPLES = {"budget": 200, "repetitions": 15, "seed": 1}
 # Three labels and a number make a study's name, which Optuna's tables hold up to 512 characters.
 LONGEST_LABEL = 100
+# More repetitions are a slip of the finger: the names of the cells alone would fill the memory.
+MOST_REPETITIONS = 100_000
 
 T = TypeVar("T")
 
@@ -71,7 +73,9 @@ class _CampaignTable:
 
     name: str | None = None
     budget: int | None = parameter(None, meaning="evaluations of each run", minimum=1)
-    repetitions: int | None = parameter(None, meaning="runs of each strategy on each problem", minimum=1)
+    repetitions: int | None = parameter(
+        None, meaning="runs of each strategy on each problem", minimum=1, maximum=MOST_REPETITIONS
+    )
     seed: int | None = parameter(None, meaning="seed of all randomness", minimum=0)
     batch: int = parameter(1, meaning="designs proposed at a time", minimum=1)
     timeout: float | None = parameter(None, meaning="time limit of one evaluation", unit="s", above=0.0)

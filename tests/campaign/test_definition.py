@@ -1,14 +1,18 @@
 """Campaign files: what they mean, and what is refused."""
 
+import json
 import re
 import textwrap
 import types
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from railsearch.campaign import definition
 from railsearch.campaign.capability import Refusal, capable_cells, check_capable, refusals
@@ -196,6 +200,7 @@ def test_a_list_may_stand_in_a_file_beside_the_campaign_file(load: Load, tmp_pat
         ("budget = 2.5", ("[campaign].budget", "an integer", "2.5")),
         ('budget = "many"', ("[campaign].budget", "'many'")),
         ("repetitions = 0", ("[campaign].repetitions", "≥ 1")),
+        ("repetitions = 1000000000", ("[campaign].repetitions", "≤ 100000")),
         ("seed = -1", ("[campaign].seed", "≥ 0", "-1")),
         ("seed = true", ("[campaign].seed", "an integer", "True")),
         ("batch = 0", ("[campaign].batch", "≥ 1")),
@@ -322,6 +327,22 @@ def test_hypervolume_is_measured_from_given_values_completed_by_the_worst_known(
     plain = load(text + 'name = "plain"\nreference_point = { cost = 2, comfort = -1.0 }\n').problems[0]
     assert plain.reference_point == {"cost": 2.0, "comfort": -1.0}, "natural signs, in the order of the objectives"
     assert load(text + 'name = "plain"\nworst = { cost = 2, comfort = -1.0 }\n').problems[0].reference_point == {}
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.text(st.characters(exclude_categories=["Cs"]), max_size=130))
+def test_every_label_that_is_accepted_names_its_study_without_doubt(load: Load, label: str) -> None:
+    written = json.dumps(label, ensure_ascii=False)
+    text = f'name = {written}\n[[problem]]\nname = "sphere"\nlabel = {written}\n[[strategy]]\nname = "random"\n'
+    accepted = None
+    with suppress(InputError):
+        accepted = load(f"{HEAD}{text}label = {written}\n")
+    if re.fullmatch(r"[\w.+-]([\w.+ -]{0,98}[\w.+-])?", label):
+        assert accepted is not None, "words, points, signs and spaces between them are allowed"
+    for cell in accepted.cells() if accepted else ():
+        name = cell.study_name(label)
+        assert Cell.from_study_name(name) == cell
+        assert len(name) <= 512
 
 
 def test_one_strategy_under_two_labels_is_two_strategies(load: Load) -> None:
