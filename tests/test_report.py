@@ -3,7 +3,6 @@ import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable
 from dataclasses import replace
-from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
@@ -11,14 +10,13 @@ import numpy as np
 import pytest
 
 from conftest import Answer
+from html_page import Page
 from railsearch.interfaces import Evaluation
 from railsearch.report import write_figures, write_report
 from railsearch.report.figures import drawn
 from railsearch.report.history import history_figure, incumbents, resets, upper_limit
 from sample_problems import Sphere, TwoObjectives
 from test_cli import sample_problems
-
-VOID = {"meta", "br", "img", "link"}
 
 
 def evaluation(number: int, value: float, origin: str = "perturbation", trajectory: int = 0, reason: str = "") -> Evaluation:
@@ -121,42 +119,6 @@ def test_the_same_figure_is_the_same_bytes(tmp_path: Path) -> None:
     for name in ("history.svg", "history.png"):
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
     ElementTree.fromstring(drawn(history_figure(Sphere(), HISTORY), "svg", "history"))
-
-
-class Page(HTMLParser):
-    """Collects tags, identifiers, references and text; complains of tags left open."""
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.open: list[str] = []
-        self.identifiers: list[str] = []
-        self.references: list[str] = []
-        self.tags: list[str] = []
-        self.text = ""
-        self.feed(text)
-        self.close()
-        assert self.open == []
-
-    def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
-        self.tags.append(tag)
-        if tag not in VOID:
-            self.open.append(tag)
-        self.handle_attributes(attributes)
-
-    def handle_startendtag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
-        self.tags.append(tag)
-        self.handle_attributes(attributes)
-
-    def handle_attributes(self, attributes: list[tuple[str, str | None]]) -> None:
-        named = dict(attributes)
-        self.identifiers += [value for key, value in named.items() if key == "id" and value]
-        self.references += [value for key, value in named.items() if key in ("src", "href", "xlink:href") and value]
-
-    def handle_endtag(self, tag: str) -> None:
-        assert self.open.pop() == tag
-
-    def handle_data(self, data: str) -> None:
-        self.text += data
 
 
 @pytest.fixture

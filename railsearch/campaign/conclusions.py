@@ -118,7 +118,7 @@ def _over_problems(problems: Sequence[Entry], ranking: Entry, budget: int) -> st
         f"mean rank {ranks[place]:.3g} of {len(names)}, best median on {ranking['wins'][place]} of {len(among)} problems"
         f"{_clearly(clear)}"
     )
-    where = f"over {len(among)} problems with {budget} evaluations"
+    where = f"on {len(among)} problems, with {budget} evaluations each"
     if ranking["repetitions"] == 1:
         return (
             f"With one repetition nothing can be concluded {where}: {leader} is ahead ({facts}), which may be luck; "
@@ -146,7 +146,7 @@ def _separated(ranking: Entry, place: int) -> list[str]:
 def _limits(ranking: Entry, separated: Sequence[str]) -> str:
     if ranking["untested"]:
         return "ranks over the problems are not tested for two strategies"
-    p_value = f"Friedman test, p = {ranking['p_value']:.2g}"
+    p_value = f"Friedman test, p = {ranking['p_value']:.3g}"
     if separated:
         return f"the critical difference of ranks separates it from {listed(separated)} ({p_value})"
     return f"the ranks over {len(ranking['problems'])} problems do not separate it from the others ({p_value})"

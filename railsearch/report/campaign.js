@@ -147,8 +147,11 @@
       const button = document.createElement("button");
       button.type = "button";
       button.title = "sort";
-      if (!link) button.append(...head.childNodes);
-      head.append(button);
+      if (link) link.after(button);
+      else {
+        button.append(...head.childNodes);
+        head.append(button);
+      }
       button.addEventListener("click", () => sort(table, body, head, column));
     });
   }

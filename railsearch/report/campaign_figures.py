@@ -26,6 +26,7 @@ DASHES: tuple[Any, ...] = ("-", (0, (6, 2)), (0, (1.5, 1.5)), (0, (7, 2, 1.5, 2)
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*", "<", ">", "p")
 SIZE = (5.8, 3.9)
 BANDS = {"quartiles": ("lower", "upper"), "confidence": ("confidence_lower", "confidence_upper")}
+SURFACES = ("quarter", "line", "most")
 LOGARITHMIC_EVALUATIONS = 1000
 WIDE_RANGE = 30.0
 START_LEFT_OUT = 0.05
@@ -116,9 +117,9 @@ def attainment_figure(entry: Entry, places: Mapping[str, int]) -> Figure:
     objectives = entry["design"]["problem"]["objectives"]
     signs = np.array([-1.0 if objective["maximised"] else 1.0 for objective in objectives])
     for strategy, levels in entry["attainment"].items():
-        for level, corners in enumerate(levels):
+        for kind, corners in zip(SURFACES, levels, strict=True):
             if corners:
-                _surface(axes, strategy if level == 1 else "", places[strategy], signs, np.array(corners))
+                _surface(axes, strategy, places[strategy], kind, signs, np.array(corners))
     axes.set(**dict(zip(("xlabel", "ylabel"), map(_axis_label, objectives), strict=True)))
     axes.legend(frameon=False, fontsize=9)
     figure.set_label(
@@ -161,7 +162,7 @@ def ranks_figure(ranking: Entry, places: Mapping[str, int]) -> Figure:
     figure.set_label(
         f"Mean ranks over {len(ranking['problems'])} problems, 1 is best. Strategies under one bar cannot be told apart "
         f"(critical difference CD = {ranking['critical_difference']:.2f} at {100.0 * ranking['level']:g} %, Friedman test "
-        f"p = {ranking['p_value']:.2g})."
+        f"p = {ranking['p_value']:.3g})."
     )
     return figure
 
@@ -245,14 +246,14 @@ def _line(axes: Axes, place: int, numbers: np.ndarray[Any, Any], values: FloatAr
     )
 
 
-def _surface(axes: Axes, label: str, place: int, signs: FloatArray, corners: FloatArray) -> None:
-    """A staircase through the corners (p, 2), given with their natural sign; thin without a label."""
+def _surface(axes: Axes, label: str, place: int, kind: str, signs: FloatArray, corners: FloatArray) -> None:
+    """A staircase through the corners (p, 2), given with their natural sign; thin but for the middle one."""
     lowest = corners * signs
     lowest = lowest[np.argsort(lowest[:, 0], kind="stable")]
     x, y = np.repeat(lowest[:, 0], 2)[1:], np.repeat(lowest[:, 1], 2)[:-1]
-    look = _look(place) | ({"label": short(label)} if label else {"linewidth": 0.6, "marker": ""})
+    look = _look(place) | ({"label": short(label)} if kind == "line" else {"linewidth": 0.6, "marker": ""})
     every = max(1, x.size // MARKS)
-    axes.plot(signs[0] * x, signs[1] * y, markevery=every, gid=f"strategy-{place}-{'line' if label else 'thin'}", **look)
+    axes.plot(signs[0] * x, signs[1] * y, markevery=every, gid=f"strategy-{place}-{kind}", **look)
 
 
 def _evaluation_axis(axes: Axes, numbers: Sequence[int]) -> None:

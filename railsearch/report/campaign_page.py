@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from railsearch.report import campaign_tables as tables
 from railsearch.report.design_tables import quantities_table, variables_table
-from railsearch.report.markup import drawing, escaped, page, picture, section, table
+from railsearch.report.markup import Markup, drawing, escaped, page, picture, section, table
 from railsearch.run_directory import write_whole
 
 if TYPE_CHECKING:
@@ -61,7 +61,14 @@ def campaign_page(document: Entry, pictures: Pictures) -> str:
         section("To run it again", _provenance(document)),
         _plots(document, figures),
     ]
-    return page(document["campaign"]["name"], document["conclusion"], content, ["campaign.css"], ["campaign.js"])
+    title = f"Campaign {document['campaign']['name']}"
+    return page(title, _stressed(document["conclusion"]), content, ["campaign.css"], ["campaign.js"])
+
+
+def _stressed(conclusion: str) -> Markup:
+    """A conclusion with its main clause, up to the first colon, in bold."""
+    clause, colon, rest = conclusion.partition(": ")
+    return Markup(f"<strong>{escaped(clause + colon)}</strong>{escaped(rest)}" if colon else escaped(conclusion))
 
 
 def _facts(document: Entry) -> str:
@@ -107,7 +114,7 @@ def _overview(document: Entry) -> str:
 
 def _problem(number: int, entry: Entry, drawings: Mapping[str, str], pictures: Pictures) -> str:
     own = [drawn for name, drawn in drawings.items() if name.startswith(f"{number}-")]
-    parts = [f'<p class="verdict">{escaped(entry["conclusion"])}</p>', _box(entry["measure"])]
+    parts = [f'<p class="verdict">{_stressed(entry["conclusion"])}</p>', _box(entry)]
     if own:
         parts += [f'<div class="plots">{"".join(own)}</div>', *_comparison(entry)]
     parts += _design(number, entry, pictures.get(entry["label"], {}))
@@ -116,29 +123,36 @@ def _problem(number: int, entry: Entry, drawings: Mapping[str, str], pictures: P
     )
 
 
-def _box(measure: Entry) -> str:
-    if measure["box"] is None:
+def _box(entry: Entry) -> str:
+    """Between which points hypervolume is measured."""
+    box = entry["measure"]["box"]
+    if box is None:
         return ""
-    points = [
-        ", ".join(f"{name} = {tables.three(value)}" for name, value in measure["box"][which].items())
+    units = {objective["name"]: objective["unit"] for objective in entry["design"]["problem"]["objectives"]}
+    ideal, reference = (
+        escaped(", ".join(f"{name} = {tables.three(value)} {units[name]}".strip() for name, value in box[which].items()))
         for which in ("ideal", "reference")
-    ]
+    )
     return (
-        f"<p>Hypervolume is the dominated share of the box between the ideal point ({escaped(points[0])}, the best recorded "
-        f"values) and the reference point ({escaped(points[1])}, {escaped(measure['box']['source'])}).</p>"
+        f"<p>Hypervolume is the dominated share of the box between the ideal point ({ideal}; the best recorded values) and "
+        f"the reference point ({reference}; {escaped(box['source'])}).</p>"
     )
 
 
 def _comparison(entry: Entry) -> list[str]:
     unit = f" [{entry['measure']['unit']}]" if entry["measure"]["unit"] else ""
-    parts = [
-        f"<h3>Best {escaped(entry['measure']['name'] + unit)} at fractions of the budget</h3>",
-        tables.fixed_budget_table(entry),
+    budget = (
+        f"<h3>Best {escaped(entry['measure']['name'] + unit)} at fractions of the budget</h3>"
+        f"{tables.fixed_budget_table(entry)}"
         f"<p>Medians of {len(entry['repetitions'])} repetitions, quartiles beneath; the number of evaluations in brackets."
-        "</p>",
-    ]
-    if entry["pairwise"]:
-        parts += ["<h3>Which differences are real</h3>", tables.pairwise_table(entry), f"<p>{PAIRWISE_KEY}</p>"]
+        "</p>"
+    )
+    pairs = (
+        f"<h3>Which differences are real</h3>{tables.pairwise_table(entry)}<p>{PAIRWISE_KEY}</p>"
+        if entry["pairwise"]
+        else ""
+    )
+    parts = [f'<div class="pair"><div>{budget}</div><div>{pairs}</div></div>']
     if entry["targets"]:
         inside = f"{tables.running_time_table(entry)}<p>{RUNNING_TIME_KEY}</p>"
         parts.append(f"<details><summary>Expected running time to targets{escaped(unit)}</summary>{inside}</details>")
