@@ -10,39 +10,19 @@ assembly, factorisation, passage and measures, compiled beforehand.
 
 import argparse
 import os
-import statistics
 import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
     os.environ[variable] = "1"
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "track_models"))
 
-import numpy as np  # noqa: E402
 import refactorising_twin  # noqa: E402
+from measuring import seconds, spread, yardstick  # noqa: E402
 
 from railsearch_plugins.track_models.level_crossing import LevelCrossing, LevelCrossingParameters  # noqa: E402
 
 RUN = 3445
-
-
-def seconds(work: Callable[[], object]) -> float:
-    start = time.perf_counter()
-    work()
-    return time.perf_counter() - start
-
-
-def yardstick() -> None:
-    """A fixed piece of arithmetic whose spread over the repeats is the noise of the machine."""
-    x = np.linspace(0.0, 1.0, 1000)
-    for _ in range(20000):
-        x = x * 0.5 + 0.25
-
-
-def spread(values: list[float]) -> str:
-    return f"median {statistics.median(values):.4g} ({min(values):.4g} to {max(values):.4g})"
 
 
 def main() -> None:

@@ -32,7 +32,9 @@ def server() -> Iterator[str]:
         yield url
 
 
-@pytest.fixture(params=["sqlite", pytest.param("postgresql", marks=pytest.mark.system)])
+@pytest.fixture(
+    params=["sqlite", pytest.param("postgresql", marks=[pytest.mark.system, pytest.mark.xdist_group("postgresql")])]
+)
 def url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
     if request.param == "sqlite":
         return f"sqlite:///{tmp_path / 'study.db'}"
@@ -129,7 +131,7 @@ def test_every_study_is_read_as_optuna_reads_it(url: str) -> None:
 def test_only_studies_of_runs_under_the_prefix_are_read(url: str) -> None:
     (name,) = write_campaign(url, (3,))
     storage = Storage(url)
-    for beside in ("Übung_10/a/b/1", "übung_1/a/b/1", "Übungx1/a/b/1", "Übung_1"):
+    for beside in ("Übung_10/a/b/1", "ÜBUNG_1/a/b/1", "Übungx1/a/b/1", "Übung_1"):
         write_run(storage, beside, 2, 5)
     stranger = optuna.create_study(storage=url, study_name="Übung_1/of/somebody/1")
     stranger.set_user_attr("else", {"seed": 1})
