@@ -4,6 +4,7 @@ A request is pinned to the worker that has the run under way. When that worker l
 cell goes on from its record elsewhere. When the scheduler goes, its clients wait for it to come back.
 """
 
+import logging
 import time
 import uuid
 from collections.abc import Callable, Sequence
@@ -15,24 +16,33 @@ from railsearch.campaign.places import Place, PlaceLost
 from railsearch.errors import InputError
 
 LOOK_AGAIN = 1.0
-CONNECT_SECONDS = 10.0
 
 
 class DaskPlaces:
     """The threads of the workers of a cluster.
 
     address: of its scheduler; patience: seconds to wait for a scheduler or for workers that went away; notify: is told
-    what is waited for. Raises InputError if there is no scheduler at the address.
+    what is waited for; connect_seconds: for one attempt to reach the scheduler. Raises InputError if there is no
+    scheduler at the address.
     """
 
-    def __init__(self, address: str, patience: float = 600.0, notify: Callable[[str], None] = lambda message: None) -> None:
+    def __init__(
+        self,
+        address: str,
+        patience: float = 600.0,
+        notify: Callable[[str], None] = lambda message: None,
+        connect_seconds: float = 10.0,
+    ) -> None:
         self._address = address
         self._patience = patience
         self._notify = notify
+        self._connect_seconds = connect_seconds
         self._client: Any = None
         self._places: dict[str, DaskPlace] = {}
         self._present: frozenset[str] = frozenset()
         self._away_since: float | None = None
+        # What a lost connection does to its inner workings is no news to users; what it means to them is told here.
+        logging.getLogger("distributed").setLevel(logging.CRITICAL)
         self._connect()
 
     def present(self) -> Sequence[Place]:
@@ -86,7 +96,7 @@ class DaskPlaces:
         from distributed import Client
 
         try:
-            self._client = Client(self._address, timeout=CONNECT_SECONDS, set_as_default=False)
+            self._client = Client(self._address, timeout=self._connect_seconds, set_as_default=False)
         except (OSError, ValueError, TimeoutError) as error:
             raise InputError(
                 f"--dask: no scheduler answers at {self._address} ({error}); start one with `dask scheduler`, and workers "

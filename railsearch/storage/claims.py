@@ -119,20 +119,13 @@ class FileClaims:
     def __init__(self, url: str) -> None:
         self._database = make_url(url).database
         self._lock_file: IO[str] | None = None
+        self._lock = threading.Lock()
 
     def take(self, name: str) -> bool:
         """Claim the file with the first study; True ever after."""
-        if self._lock_file is None and self._database not in (None, "", ":memory:"):
-            file = open(f"{self._database}.lock", "a", encoding="utf-8")  # noqa: SIM115 - held until close
-            try:
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError:
-                file.close()
-                raise StorageError(
-                    f"{self._database} is in use by another process, and an SQLite file has one writer: wait for it, or "
-                    "share a PostgreSQL server (--storage postgresql://…)"
-                ) from None
-            self._lock_file = file
+        with self._lock:
+            if self._lock_file is None and self._database not in (None, "", ":memory:"):
+                self._lock_file = self._locked_file()
         return True
 
     def kept(self, name: str) -> bool:
@@ -147,6 +140,18 @@ class FileClaims:
         if self._lock_file is not None:
             self._lock_file.close()
         self._lock_file = None
+
+    def _locked_file(self) -> IO[str]:
+        file = open(f"{self._database}.lock", "a", encoding="utf-8")  # noqa: SIM115 - held until close
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            file.close()
+            raise StorageError(
+                f"{self._database} is in use by another process, and an SQLite file has one writer: wait for it, or "
+                "share a PostgreSQL server (--storage postgresql://…)"
+            ) from None
+        return file
 
 
 def claims_of(url: str) -> Claims:
