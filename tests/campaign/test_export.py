@@ -113,6 +113,11 @@ def test_a_maximised_quantity_has_its_natural_sign() -> None:
     assert column(table, "grip") == [1.0, -1.0, 0.0]
 
 
+def test_an_objective_that_is_a_metric_as_well_has_one_column() -> None:
+    table = results_table(of_comfort([-2.0, NAN], metrics={"comfort": np.array([-2.0, -8.0])}))
+    assert column(table, "comfort") == [2.0, None]
+
+
 def test_a_failed_evaluation_has_a_reason_and_no_values() -> None:
     table = results_table(of_comfort([NAN, -5.0, NAN]))
     assert column(table, "reason") == ["SimulationError: diverged", None, "SimulationError: diverged"]

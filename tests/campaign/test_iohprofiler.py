@@ -192,6 +192,17 @@ def test_a_write_that_fails_leaves_the_earlier_export(tmp_path: Path, monkeypatc
     assert [path.name for path in tmp_path.iterdir()] == ["ioh"]
 
 
+def test_a_run_without_an_evaluation_is_no_run(tmp_path: Path) -> None:
+    record = record_of(Sphere(), [3.0, 2.0])
+    begun = dataclasses.replace(
+        record,
+        **{name: getattr(record, name)[:0] for name in ("designs", "objectives", "constraints", "origins", "reasons")},
+    )
+    write_iohprofiler(of_sphere({Cell("p", "s", 1): begun, Cell("p", "s", 2): record}, ["s"], 2), tmp_path / "ioh")
+    overview = loaded(tmp_path / "ioh").overview
+    assert overview.select("instance", "run_id", "best_y").rows() == [(2, 1, 2.0)]
+
+
 def test_a_campaign_without_an_evaluation_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no evaluation"):
         write_iohprofiler(of_sphere({}, ["s"]), tmp_path / "ioh")
