@@ -40,7 +40,8 @@ def write_campaign(url: str, campaign: Campaign) -> None:
     problems = make_problems(registry, campaign)
     storage = Storage(url)
     run = dict.fromkeys(problems, "")
-    engine = create_engine(url)
+    engine, tables = create_engine(url), MetaData()
+    tables.reflect(engine, only=["studies", "trials", *OF_TRIALS])
     for task in cell_tasks(registry, campaign, problems, campaign.cells(), "railsearch campaign synthetic.toml"):
         record = storage.run(task.description, task.space)
         problem, name = problems[task.cell.problem], task.description.name
@@ -49,14 +50,12 @@ def write_campaign(url: str, campaign: Campaign) -> None:
             run[task.cell.problem] = name
         else:
             with engine.begin() as connection:
-                copy_trials(connection, run[task.cell.problem], name)
+                copy_trials(connection, tables, run[task.cell.problem], name)
     engine.dispose()
 
 
-def copy_trials(connection: Connection, source: str, target: str) -> None:
+def copy_trials(connection: Connection, tables: MetaData, source: str, target: str) -> None:
     """Give the study `target` copies of the trials of the study `source`."""
-    tables = MetaData()
-    tables.reflect(connection, only=["studies", "trials", *OF_TRIALS])
     studies, trials = tables.tables["studies"], tables.tables["trials"]
     here, there = (
         connection.execute(select(studies.c.study_id).where(studies.c.study_name == name)).scalar_one()

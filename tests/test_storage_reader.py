@@ -8,9 +8,8 @@ import numpy as np
 import optuna
 import pytest
 from optuna.trial import TrialState
-from sqlalchemy import create_engine, text
 
-from postgresql_server import postgresql
+from postgresql_server import Server, postgresql
 from railsearch.errors import StorageError
 from railsearch.interfaces import Evaluation
 from railsearch.space import Space, Variable
@@ -27,23 +26,20 @@ SPACES = (
 
 
 @pytest.fixture(scope="module")
-def server() -> Iterator[str]:
-    with postgresql() as url:
-        yield url
+def server() -> Iterator[Server]:
+    with postgresql() as running:
+        yield running
 
 
 @pytest.fixture(
     params=["sqlite", pytest.param("postgresql", marks=[pytest.mark.system, pytest.mark.xdist_group("postgresql")])]
 )
-def url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
+def url(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str]:
     if request.param == "sqlite":
-        return f"sqlite:///{tmp_path / 'study.db'}"
-    server: str = request.getfixturevalue("server")
-    engine = create_engine(server, isolation_level="AUTOCOMMIT")
-    with engine.connect() as connection:
-        connection.execute(text(f'CREATE DATABASE "{tmp_path.name}"'))
-    engine.dispose()
-    return server.removesuffix("postgres") + tmp_path.name
+        yield f"sqlite:///{tmp_path / 'study.db'}"
+    else:
+        with request.getfixturevalue("server").database(tmp_path.name) as made:
+            yield made
 
 
 def evaluation(space: Space, number: int, m: int, k: int, generator: np.random.Generator) -> Evaluation:
