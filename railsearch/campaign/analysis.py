@@ -52,7 +52,7 @@ def campaign_document(results: CampaignResults, skipped: Collection[Pair] = (), 
         "conclusion": campaign_conclusion(problems, ranking, campaign.budget),
         "notes": _notes(campaign, problems, ranking),
         "command": command,
-        "campaign": campaign_plain(campaign),
+        "campaign": dataclasses.asdict(campaign),
         "skipped": sorted(list(pair) for pair in skipped),
         "planned": sum(cell["planned"] for cell in cells),
         "complete": sum(cell["complete"] for cell in cells),
@@ -63,11 +63,6 @@ def campaign_document(results: CampaignResults, skipped: Collection[Pair] = (), 
         "seeds": _seeds(results),
         "versions": versions(),
     }
-
-
-def campaign_plain(campaign: Campaign) -> dict[str, Any]:
-    """The definition of a campaign in plain types."""
-    return dataclasses.asdict(campaign)
 
 
 def _problem_entry(

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from railsearch.report.markup import labelled
 from railsearch.space import FloatArray
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ Entry = Mapping[str, Any]
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 DASHES: tuple[Any, ...] = ("-", (0, (6, 2)), (0, (1.5, 1.5)), (0, (7, 2, 1.5, 2)))
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*", "<", ">", "p")
+INK = "#1b1b1b"
 SIZE = (5.8, 3.9)
 BANDS = {"quartiles": ("lower", "upper"), "confidence": ("confidence_lower", "confidence_upper")}
 SURFACES = ("quarter", "line", "most")
@@ -120,7 +122,7 @@ def attainment_figure(entry: Entry, places: Mapping[str, int]) -> Figure:
         for kind, corners in zip(SURFACES, levels, strict=True):
             if corners:
                 _surface(axes, strategy, places[strategy], kind, signs, np.array(corners))
-    axes.set(**dict(zip(("xlabel", "ylabel"), map(_axis_label, objectives), strict=True)))
+    axes.set(**dict(zip(("xlabel", "ylabel"), map(labelled, objectives), strict=True)))
     axes.legend(frameon=False, fontsize=9)
     figure.set_label(
         "Attainment surfaces: what half of the repetitions reach or better (thick), a quarter and three quarters (thin)."
@@ -130,35 +132,21 @@ def attainment_figure(entry: Entry, places: Mapping[str, int]) -> Figure:
 
 def ranks_figure(ranking: Entry, places: Mapping[str, int]) -> Figure:
     """The critical-difference diagram: mean ranks, and bars over strategies that cannot be told apart."""
-    names, ranks = ranking["strategies"], ranking["mean_ranks"]
-    order = sorted(range(len(names)), key=lambda index: ranks[index])
+    names, ranks, groups = ranking["strategies"], ranking["mean_ranks"], ranking["groups"]
     rows = len(names) - len(names) // 2
-    height = 1.3 + 0.16 * len(ranking["groups"]) + 0.24 * rows
-    figure = Figure(figsize=(SIZE[0], height), layout="constrained")
+    figure = Figure(figsize=(SIZE[0], 1.3 + 0.16 * len(groups) + 0.24 * rows), layout="constrained")
     axes = figure.subplots()
-    bars = 0.4 * len(ranking["groups"])
+    axes.set_title("Mean ranks", loc="left", fontsize=11, fontweight="bold")
+    begin = 0.9 + 0.4 * len(groups)
+    order = sorted(range(len(names)), key=lambda index: ranks[index])
     for position, index in enumerate(order):
         left = position < rows
-        depth = 0.9 + bars + 0.6 * (position if left else len(names) - 1 - position)
-        edge = 1.0 if left else len(names)
-        look: dict[str, Any] = {"color": colour(places[names[index]]), "lw": 1.3, "solid_capstyle": "butt"}
-        axes.plot(
-            [ranks[index], ranks[index], edge], [0.0, depth, depth], gid=f"strategy-{places[names[index]]}-rank", **look
-        )
-        axes.annotate(
-            f"{short(names[index])}  {ranks[index]:.2f}" if left else f"{ranks[index]:.2f}  {short(names[index])}",
-            (edge, depth),
-            (-4 if left else 4, 0),
-            textcoords="offset points",
-            ha="right" if left else "left",
-            va="center",
-            fontsize=10,
-            annotation_clip=False,
-        )
-    for row, group in enumerate(ranking["groups"]):
+        depth = begin + 0.6 * (position if left else len(names) - 1 - position)
+        _rank(axes, names[index], places[names[index]], (ranks[index], depth, 1.0 if left else float(len(names))))
+    for row, group in enumerate(groups):
         ends = [min(ranks[index] for index in group) - 0.03, max(ranks[index] for index in group) + 0.03]
-        axes.plot(ends, [0.35 + 0.4 * row] * 2, color="#1b1b1b", lw=3.5, solid_capstyle="butt")
-    _rank_axis(axes, ranking, 0.9 + bars + 0.6 * (rows - 1))
+        axes.plot(ends, [0.35 + 0.4 * row] * 2, color=INK, lw=3.5, solid_capstyle="butt", gid=f"group-{row}")
+    _rank_axis(axes, ranking, begin + 0.6 * (rows - 1))
     figure.set_label(
         f"Mean ranks over {len(ranking['problems'])} problems, 1 is best. Strategies under one bar cannot be told apart "
         f"(critical difference CD = {ranking['critical_difference']:.2f} at {100.0 * ranking['level']:g} %, Friedman test "
@@ -269,7 +257,7 @@ def _value_axis(axes: Axes, entry: Entry) -> None:
     """Scale and limits of the values: logarithmic over a wide range; a steep start is cut off at the edge."""
     measure, numbers = entry["measure"], np.array(entry["numbers"])
     bands = np.array([[_numbers(curve[key]) for key in ("lower", "upper", "median")] for curve in entry["curves"].values()])
-    axes.set_ylabel(_axis_label(measure))
+    axes.set_ylabel(labelled(measure))
     finite = bands[np.isfinite(bands)]
     if not finite.size:
         return
@@ -293,21 +281,26 @@ def _label_ends(axes: Axes, ends: Mapping[int, float], places: Mapping[str, int]
     edge = axes.get_xlim()[1]
     heights = np.clip([to_axes.transform((edge, value))[1] for value in shown.values()], 0.0, 1.0)
     for place, height, text in zip(shown, heights, spread(heights, LABEL_GAP), strict=True):
-        label = axes.annotate(
-            short(names[place]),
-            (1.0, height),
-            (1.06, text),
-            xycoords="axes fraction",
-            textcoords="axes fraction",
-            va="center",
-            fontsize=10,
-            color=colour(place),
-            annotation_clip=False,
-            arrowprops={"arrowstyle": "-", "color": colour(place), "lw": 0.7, "shrinkA": 1, "shrinkB": 0},
-            gid=f"strategy-{place}-label",
-        )
-        if label.arrow_patch is not None:
-            label.arrow_patch.set_gid(f"strategy-{place}-pointer")
+        beside: dict[str, Any] = {"transform": axes.transAxes, "color": colour(place), "clip_on": False}
+        axes.plot([1.0, 1.05], [height, text], lw=0.7, gid=f"strategy-{place}-pointer", **beside)
+        axes.text(1.06, text, short(names[place]), va="center", fontsize=10, gid=f"strategy-{place}-label", **beside)
+
+
+def _rank(axes: Axes, name: str, place: int, where: tuple[float, float, float]) -> None:
+    """A strategy's line from its rank down and out to its name; where: rank, depth, and the edge of the name."""
+    rank, depth, edge = where
+    left = edge < rank or edge == 1.0
+    axes.plot([rank, rank, edge], [0.0, depth, depth], color=colour(place), lw=1.3, gid=f"strategy-{place}-rank")
+    axes.annotate(
+        f"{short(name)}  {rank:.2f}" if left else f"{rank:.2f}  {short(name)}",
+        (edge, depth),
+        (-4 if left else 4, 0),
+        textcoords="offset points",
+        ha="right" if left else "left",
+        va="center",
+        fontsize=10,
+        annotation_clip=False,
+    )
 
 
 def _rank_axis(axes: Axes, ranking: Entry, depth: float) -> None:
@@ -316,14 +309,13 @@ def _rank_axis(axes: Axes, ranking: Entry, depth: float) -> None:
     axes.set(xlim=(0.9, count + 0.1), ylim=(depth + 0.5, -2.0))
     difference = ranking["critical_difference"]
     if difference <= count - 1:
-        axes.plot([1.0, 1.0 + difference], [-1.6, -1.6], color="#1b1b1b", lw=1.2, marker="|", markersize=7)
+        axes.plot([1.0, 1.0 + difference], [-1.6, -1.6], color=INK, lw=1.2, marker="|", markersize=7)
         axes.annotate(f"CD = {difference:.2f}", (1.0 + difference, -1.6), (6, 0), textcoords="offset points", va="center")
     axes.xaxis.tick_top()
     axes.set_xticks(range(1, count + 1))
     axes.spines[["left", "right", "bottom"]].set_visible(False)
     axes.spines["top"].set_position(("data", 0.0))
     axes.yaxis.set_visible(False)
-    axes.set_title("Mean ranks", loc="left", fontsize=11, fontweight="bold")
 
 
 def _curves_caption(entry: Entry, bands: Sequence[str], shown: int) -> str:
@@ -342,7 +334,3 @@ def _band_words(bands: Sequence[str]) -> str:
 
 def _numbers(values: Sequence[float | None]) -> FloatArray:
     return np.array([np.nan if value is None else value for value in values], dtype=float)
-
-
-def _axis_label(quantity: Entry) -> str:
-    return f"{quantity['name']} [{quantity['unit']}]" if quantity["unit"] else str(quantity["name"])

@@ -130,7 +130,7 @@ def _box(entry: Entry) -> str:
         return ""
     units = {objective["name"]: objective["unit"] for objective in entry["design"]["problem"]["objectives"]}
     ideal, reference = (
-        escaped(", ".join(f"{name} = {tables.three(value)} {units[name]}".strip() for name, value in box[which].items()))
+        escaped(", ".join(f"{name} = {tables.four(value)} {units[name]}".strip() for name, value in box[which].items()))
         for which in ("ideal", "reference")
     )
     return (

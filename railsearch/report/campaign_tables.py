@@ -30,7 +30,7 @@ def overview_cell(entry: Entry, strategy: str) -> object:
     place = final_place(entry, strategy)
     if place is None:
         return "–"
-    value = three(place["median"])
+    value = four(place["median"])
     shown = (
         f"<b>{value}</b> ★" if strategy == entry["leader"] else f"{value} ≈" if _equal_to_best(entry, strategy) else value
     )
@@ -73,7 +73,7 @@ def running_time_table(entry: Entry) -> str:
     targets, runs = entry["targets"], len(entry["repetitions"])
     count = len(targets["values"])
     shown = sorted({round((step + 1) * count / TARGETS_SHOWN) - 1 for step in range(TARGETS_SHOWN)})
-    titles = ["strategy", *(f"{three(targets['values'][place])} ({_way(targets['fractions'][place])})" for place in shown)]
+    titles = ["strategy", *(f"{four(targets['values'][place])} ({_way(targets['fractions'][place])})" for place in shown)]
     rows = [
         [
             name,
@@ -97,8 +97,8 @@ def cells_table(entry: Entry) -> str:
             cell["evaluations"],
             cell["failed"],
             cell["infeasible"],
-            three(cell["evaluation_seconds"]),
-            three(cell["overhead_seconds"]),
+            four(cell["evaluation_seconds"]),
+            four(cell["overhead_seconds"]),
         ]
         for cell in entry["cells"]
     ]
@@ -125,18 +125,18 @@ def by_final(entry: Entry) -> list[str]:
     return sorted(finals, key=lambda name: (finals[name] is None, sign * (finals[name] or 0.0)))
 
 
-def three(value: float | None) -> str:
+def four(value: float | None) -> str:
     """A number with four significant digits, a dash for nothing."""
     return readable(None) if value is None else f"{value:.4g}"
 
 
 def spread_words(place: Entry) -> str:
     """The quartiles of a place in the fixed-budget table."""
-    return f"{three(place['lower'])} … {three(place['upper'])}"
+    return f"{four(place['lower'])} … {four(place['upper'])}"
 
 
 def _median_cell(place: Entry) -> Markup:
-    return Markup(f"{three(place['median'])}<small>{spread_words(place)}</small>")
+    return Markup(f"{four(place['median'])}<small>{spread_words(place)}</small>")
 
 
 def _problem_title(entry: Entry, anchor: str) -> Markup:

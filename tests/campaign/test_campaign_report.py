@@ -10,12 +10,15 @@ from sample_campaigns import Searcher, results_of, synthetic_results
 
 from html_page import Page
 from railsearch.campaign.analysis import campaign_document
+from railsearch.report import campaign_tables as tables
 from railsearch.report.campaign_figures import (
     COLOURS,
     DASHES,
+    attainment_figure,
     campaign_figures,
     curves_figure,
     figure_name,
+    ranks_figure,
     spread,
     targets_figure,
 )
@@ -187,3 +190,77 @@ def test_the_script_is_told_where_the_frame_of_a_figure_is(document: dict[str, A
         ]
         assert left + (right - left) * shares[0] == pytest.approx(x, abs=1e-3)
         assert bottom - (bottom - top) * shares[1] == pytest.approx(1.0 - y, abs=1e-3)
+
+
+def test_ranks_are_drawn_where_they_are_with_bars_over_equals() -> None:
+    ranking = {
+        "strategies": ["a", "b", "c"],
+        "problems": list("pqrstu"),
+        "mean_ranks": [2.0, 1.25, 2.75],
+        "groups": [[1, 0], [0, 2]],
+        "critical_difference": 1.35,
+        "level": 0.05,
+        "p_value": 0.03,
+    }
+    figure = ranks_figure(ranking, {"a": 0, "b": 1, "c": 2})
+    lines = lines_of(figure)
+    assert [lines[f"strategy-{place}-rank"].get_xdata()[0] for place in range(3)] == [2.0, 1.25, 2.75]
+    assert [tuple(np.round(lines[f"group-{row}"].get_xdata(), 2)) for row in range(2)] == [(1.22, 2.03), (1.97, 2.78)]
+    texts = [text.get_text() for text in figure.axes[0].texts]
+    assert texts == ["b  1.25", "a  2.00", "2.75  c", "CD = 1.35"]
+
+
+def test_surfaces_are_staircases_through_their_corners() -> None:
+    objectives = [{"name": "f", "unit": "N", "maximised": False}, {"name": "g", "unit": "", "maximised": True}]
+    entry = {
+        "design": {"problem": {"objectives": objectives}},
+        "attainment": {"a": [[], [[1.0, 2.0], [4.0, 7.0]], [[4.0, 5.0]]]},
+    }
+    lines = lines_of(attainment_figure(entry, {"a": 0}))
+    corners = list(zip(*lines["strategy-0-line"].get_data(), strict=True))
+    assert corners == [(1.0, 2.0), (4.0, 2.0), (4.0, 7.0)], "worse in f before better in g"
+    assert set(lines) == {"strategy-0-line", "strategy-0-most"}
+
+
+def test_many_evaluations_are_drawn_on_a_logarithmic_axis() -> None:
+    few, many = (targets_figure("", [1, budget], {"a": [0.0, 1.0]}, {"a": 0}).axes[0] for budget in (1000, 1001))
+    assert (few.get_xscale(), many.get_xscale()) == ("linear", "log")
+    assert many.get_xlim() == (1.0, 1001.0)
+
+
+# Tables
+
+
+def cells_of(table: str) -> list[list[str]]:
+    rows = re.findall(r"<tr[^>]*>(.*?)</tr>", table, flags=re.DOTALL)
+    return [
+        [re.sub(r"<[^>]*>", " ", cell).strip() for cell in re.findall(r"<t[dh][^>]*>(.*?)</t[dh]>", row)] for row in rows
+    ]
+
+
+CLEAR = {"poor": [20.0, 21.0, 22.0, 23.0, 24.0], "good": [1.0, 2.0, 3.0, 4.0, 5.0], "like": [1.5, 2.5, 3.5, 4.5, 5.5]}
+
+
+def test_the_overview_marks_the_best_and_its_equals() -> None:
+    found = campaign_document(results_of(Sphere(), CLEAR))
+    rows = cells_of(tables.overview_table(found, {"p": "problem-1"}))
+    assert [row[0] for row in rows] == ["strategy", "good", "like", "poor"]
+    assert [row[1].split()[0] for row in rows[1:]] == ["3", "3.5", "22"]
+    assert ["★" in row[1] for row in rows[1:]] == [True, False, False]
+    assert ["≈" in row[1] for row in rows[1:]] == [False, True, False]
+
+
+def test_the_matrix_shows_both_sides_of_a_difference() -> None:
+    (entry,) = campaign_document(results_of(Sphere(), CLEAR))["problems"]
+    head, good, like, poor = cells_of(tables.pairwise_table(entry))
+    assert head == ["A12", "good", "like", "poor"]
+    assert (good[3].split()[:2], poor[1].split()[:2]) == (["▲", "1.00"], ["▼", "0.00"])
+    assert (good[2].split()[0], like[1].split()[0]) == ("0.60", "0.40"), "not significant"
+    assert good[1] == ""
+
+
+def test_running_times_are_shown_with_their_successes() -> None:
+    (entry,) = campaign_document(results_of(Sphere(), {"a": [0.0, 0.0], "b": [0.0, 50.0]}, budget=10))["problems"]
+    head, first, second = cells_of(tables.running_time_table(entry))
+    assert head[-1] == "1 (99 % of the way)"
+    assert (first[-1].split(), second[-1].split()) == (["6", "2", "of", "2"], ["16", "1", "of", "2"])
