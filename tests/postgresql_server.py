@@ -12,7 +12,7 @@ from pathlib import Path
 from sqlalchemy import create_engine, text
 from sqlalchemy.pool import NullPool
 
-QUIET = ("fsync=off", "full_page_writes=off", "synchronous_commit=off", "max_connections=60")
+QUIET = ("fsync=off", "full_page_writes=off", "max_connections=60")
 
 
 def binaries() -> Path:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from railsearch.design_problem import DesignProblem
-from railsearch.interfaces import Outcome, Quantity
+from railsearch.interfaces import Evaluation, Outcome, Quantity
 from railsearch.space import FloatArray, Space, Variable
 
 MIXED = Space(
@@ -87,3 +87,10 @@ class TwoObjectives(DesignProblem):
         values = np.array([design[0] ** 2 + rest, (design[0] - 2.0) ** 2 + rest])
         constraints = np.array([0.5 - design[0]]) if self.n_ieq_constr else np.empty(0)
         return Outcome(values, {"left": values[0], "right": values[1], "comfort": -1.0 - rest}, constraints)
+
+
+def sphere_evaluation(number: int) -> Evaluation:
+    """An evaluation of the sphere at a design that depends on the number."""
+    design = np.array([0.1 * number, 1.0, number % 4, 0.0])
+    outcome = Sphere().simulate(design)
+    return Evaluation(number, design, outcome.objectives, outcome.constraints, outcome.metrics, "initial")

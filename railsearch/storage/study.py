@@ -23,7 +23,7 @@ from railsearch.errors import StorageError
 from railsearch.interfaces import Evaluation
 from railsearch.space import Space
 from railsearch.storage.access import Patience, readable, writable
-from railsearch.storage.address import check_storage, without_password
+from railsearch.storage.address import check_storage, is_file, without_password
 from railsearch.storage.claims import Claims
 
 IDENTITY = "railsearch"
@@ -153,7 +153,7 @@ class Storage:
         self._claims = claims
         self._lock = threading.Lock()
         with readable(self._place):
-            self._storage = optuna.storages.get_storage(url)
+            self._storage = optuna.storages.get_storage(_backend(url))
 
     def claim(self, name: str) -> bool:
         """Claim a study by name; False if another process has it. Without claims everything is free."""
@@ -194,6 +194,11 @@ class Storage:
                 raise StorageError(f"{self._place} holds no study '{description.name}'") from None
         directions = [StudyDirection.MINIMIZE] * len(description.objective_names)
         return optuna.create_study(storage=self._storage, study_name=description.name, directions=directions), False
+
+
+def _backend(url: str) -> str | optuna.storages.RDBStorage:
+    """What Optuna makes a storage of; a server's connections are tried before they are used, as they may have broken."""
+    return url if is_file(url) else optuna.storages.RDBStorage(url, engine_kwargs={"pool_pre_ping": True})
 
 
 def open_run(url: str, description: StudyDescription, space: Space, create: bool = True) -> RunStorage:

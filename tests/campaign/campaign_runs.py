@@ -76,11 +76,13 @@ sections = {{ behaviour = {{ journal = "{self.journal}", seconds = {self.seconds
         return load_campaign(load_plugins(), self.file())
 
     @contextmanager
-    def coordinator(self, url: str | None = None, watcher: Watcher | None = None) -> Iterator[Coordinator]:
+    def coordinator(
+        self, url: str | None = None, watcher: Watcher | None = None, patience: Patience | None = None
+    ) -> Iterator[Coordinator]:
         """A coordinator of all cells, recording at `url` or in the folder."""
         registry, campaign, where = load_plugins(), self.campaign(), url or self.url
         tasks = cell_tasks(registry, campaign, make_problems(registry, campaign), campaign.cells(), "")
-        with closing(Storage(where, Patience(60.0), claims_of(where))) as storage:
+        with closing(Storage(where, patience or Patience(60.0), claims_of(where))) as storage:
             yield Coordinator(storage, tasks, campaign.timeout, watcher=watcher)
 
     def carry_out(
@@ -92,8 +94,12 @@ sections = {{ behaviour = {{ journal = "{self.journal}", seconds = {self.seconds
     ) -> dict[Cell, str]:
         """Carry the campaign out; the cells that failed."""
         with self.coordinator(url, watcher) as coordinator:
-            coordinator.carry_out(places or places_here(load_plugins(), workers))
+            coordinator.carry_out(places or self.places(workers))
         return coordinator.failed
+
+    def places(self, workers: int = 1) -> Places:
+        """This process, or several others."""
+        return places_here(load_plugins(), workers)
 
     def found(self, url: str | None = None) -> dict[Key, list[tuple[bytes, float, str, str]]]:
         """Every evaluation of every cell: design, value, origin and reason, without the times."""

@@ -75,7 +75,7 @@ def test_a_model_that_kills_its_process_is_a_failed_evaluation_in_the_end(tmp_pa
 
 
 def test_a_hanging_model_is_a_failed_evaluation_at_its_time_limit(tmp_path: Path) -> None:
-    trial = Trial(tmp_path, strategies=("random",), budget=12, fault="hang", timeout=0.5)
+    trial = Trial(tmp_path, strategies=("random",), budget=30, fault="hang", timeout=0.5)
     trial.carry_out(workers=2)
     reasons = {reason for rows in trial.found().values() for *_, reason in rows if reason}
     assert reasons == {"time limit of 0.5 s exceeded"}

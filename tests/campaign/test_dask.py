@@ -57,8 +57,8 @@ def cluster() -> Iterator[Cluster]:
 
 
 def test_the_campaign_ends_complete_and_equal_to_the_serial_one_whatever_dies(cluster: Cluster, tmp_path: Path) -> None:
-    trial = Trial(tmp_path / "dask", repetitions=3, seconds=0.03, fault="hang", timeout=2.0)
-    serial = Trial(tmp_path / "serial", repetitions=3, fault="hang", timeout=2.0)
+    trial = Trial(tmp_path / "dask", repetitions=3, seconds=0.03, fault="hang", timeout=1.0)
+    serial = Trial(tmp_path / "serial", repetitions=3, fault="hang", timeout=1.0)
     events: list[str] = []
 
     def disturb(task: object, evaluation: object) -> None:

@@ -20,7 +20,7 @@ class Behaviour:
 
     journal: str = parameter("", meaning="file that gets a line for every true call")
     seconds: float = parameter(0.0, unit="s", meaning="how long a call lasts", minimum=0.0)
-    fault: str = parameter("", meaning="hang or die where count is 4", choices=("", "hang", "die"))
+    fault: str = parameter("", meaning="hang (where a > 2 m) or die where count is 4", choices=("", "hang", "die"))
 
 
 class Journalled(DesignProblem):
@@ -49,7 +49,7 @@ class Journalled(DesignProblem):
         if self.behaviour.journal:
             with Path(self.behaviour.journal).open("a") as file:
                 file.write(f"{os.getpid()} {design.tolist()}\n")
-        if design[3] == 4 and self.behaviour.fault == "hang":
+        if design[3] == 4 and design[0] > 2.0 and self.behaviour.fault == "hang":
             time.sleep(3600.0)
         if design[3] == 4 and self.behaviour.fault == "die":
             os._exit(9)
