@@ -158,6 +158,7 @@ def test_batches_are_as_large_as_allowed(monkeypatch: pytest.MonkeyPatch) -> Non
 
 def test_tables_of_another_schema_are_read_by_optuna(url: str, monkeypatch: pytest.MonkeyPatch) -> None:
     names = write_campaign(url)
+    write_run(Storage(url), "Übung_10/a/b/1", 1, 5)
     optuna.create_study(storage=url, study_name="Übung_1/of/somebody/1")
     with monkeypatch.context() as patched:
         patched.setattr(reader_module, "KNOWN_SCHEMA", "v9.9.9.a")
