@@ -46,17 +46,12 @@ class Measure:
     box: Box | None = None
 
     def curve(self, record: CellRecord, budget: int) -> FloatArray:
-        """The best value (budget,) so far, as it is minimised; NaN until there is one, the last one for a record that ends.
-
-        A record ends early where every design of a space has been evaluated.
-        """
+        """The best value (budget,) so far, as it is minimised; NaN until there is one. The record must be that long."""
         objectives = np.where(record.feasible[:, None], record.objectives, np.nan)[:budget]
         if self.box is None:
-            values = best_so_far(objectives[:, 0])
-        else:
-            scaled = (objectives - self.box.ideal) / (self.box.reference - self.box.ideal)
-            values = 0.0 - hypervolume_curve(scaled, np.ones(objectives.shape[1]))
-        return np.pad(values, (0, budget - len(values)), mode="edge")
+            return best_so_far(objectives[:, 0])
+        scaled = (objectives - self.box.ideal) / (self.box.reference - self.box.ideal)
+        return 0.0 - hypervolume_curve(scaled, np.ones(objectives.shape[1]))
 
     def natural(self, values: FloatArray) -> FloatArray:
         """Values with their natural sign."""

@@ -76,6 +76,23 @@ def test_a_winner_is_told_apart_from_some() -> None:
     assert "significantly better than poor, but not distinguishable from one" in said
 
 
+def test_the_best_median_may_belong_to_a_strategy_that_is_worse_as_a_rule() -> None:
+    ease = np.linspace(0.0, 0.01, 61)
+    finals = {"a": np.repeat([0.9, 100.0], [31, 30]) + ease, "b": np.repeat([0.5, 1.0], [30, 31]) + ease}
+    entry = only(results_of(Sphere(), {name: values.tolist() for name, values in finals.items()}))
+    assert entry["pairwise"]["adjusted"][0][1] < 0.05
+    assert entry["conclusion"].startswith("No strategy is distinguishable as the best on p")
+    assert "a has the best median" in entry["conclusion"]
+
+
+def test_one_repetition_of_many_problems_concludes_nothing() -> None:
+    problems: dict[str, DesignProblem] = {"p": Sphere(), "q": Sphere()}
+    results = synthetic_results(problems, {"a": Searcher(0.9), "b": Searcher(0.3), "c": Searcher(0.0)}, 1, 20)
+    said = campaign_document(results)["conclusion"]
+    assert said.startswith("With one repetition nothing can be concluded on 2 problems")
+    assert "may be luck; a difference among 3 strategies can be shown from 5 repetitions on" in said
+
+
 def test_too_few_repetitions_are_said_to_be_too_few() -> None:
     said = campaign_document(results_of(Sphere(), {"a": [1.0, 2.0, 3.0], "b": [11.0, 12.0, 13.0]}))["conclusion"]
     assert said.startswith("No strategy is distinguishable")
@@ -182,6 +199,8 @@ def test_failed_and_infeasible_evaluations_do_not_count() -> None:
     entry = only(results)
     assert entry["measure"]["box"]["ideal"] == {"left": 4.0, "right": 4.0}
     assert entry["design"]["best"]["number"] == 4
+    first = (50.0 - 9.0) / (50.0 - 4.0) * (80.0 - 9.0) / (80.0 - 4.0)
+    assert entry["curves"]["a"]["median"] == pytest.approx([first] * 3 + [1.0])
     (cell,) = entry["cells"]
     assert (cell["failed"], cell["infeasible"]) == (1, 1)
     assert cell["reasons"] == [{"reason": "ValueError: x", "count": 1}]
