@@ -7,7 +7,7 @@ from typing import Any
 
 import typer
 
-from railsearch.commands.campaign import campaign, export, report
+from railsearch.commands.campaign import campaign, export, init_campaign, report
 from railsearch.commands.catalogue import describe, init, list_plugins
 from railsearch.commands.evaluation import evaluate, sample, simulate
 from railsearch.commands.options import messages
@@ -37,6 +37,7 @@ def railsearch_commands(register: Callable[[str, Any], None]) -> None:
         ("run", run),
         ("show", show),
         ("dashboard", dashboard),
+        ("init-campaign", init_campaign),
         ("campaign", campaign),
         ("report", report),
         ("export", export),

@@ -102,6 +102,15 @@ class RunDirectory:
         return stored
 
 
+def recorded_url(storage: str | None, embedded_url: str) -> str:
+    """The storage that a folder's document names. Raises StorageError if its password was not kept."""
+    if storage is None:
+        return embedded_url
+    if "***" in storage:
+        raise StorageError(f"the record is at {storage}, whose password was not kept: give it with --storage")
+    return storage
+
+
 def make_folder(folder: Path) -> None:
     """Make a folder that can be written and has room. Raises StorageError."""
     with writing(folder):

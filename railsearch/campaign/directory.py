@@ -15,8 +15,10 @@ from railsearch.run_directory import (
     locked,
     make_folder,
     read_document,
+    recorded_url,
     write_whole,
 )
+from railsearch.storage import storage_url
 
 CAMPAIGN_FILE = "campaign.json"
 STATISTICS_FILE = "statistics.json"
@@ -50,35 +52,32 @@ class CampaignDirectory:
             raise InputError(f"DIR: {self.folder} holds no campaign (no {CAMPAIGN_FILE}); give the --out of a campaign")
         return document
 
-    def url(self, stored: Mapping[str, Any]) -> str:
-        """The storage of the campaign. Raises StorageError if its password is needed."""
-        if stored["storage"] is None:
-            return self.embedded_url
-        url = str(stored["storage"])
-        if "***" in url:
-            raise StorageError(f"the record is at {url}, whose password was not kept: give it with --storage")
-        return url
+    def url(self, stored: Mapping[str, Any], storage: str | None = None) -> str:
+        """The campaign's storage, or the one that is given. Raises InputError, StorageError if its password is needed."""
+        if storage is not None:
+            return storage_url(storage)
+        return recorded_url(stored["storage"], self.embedded_url)
 
     @contextmanager
-    def claimed(self, document: Mapping[str, Any]) -> Iterator[Changes]:
-        """Hold the folder for the campaign that `document` describes; gives how it differs from what was there.
+    def claimed(self, document: Mapping[str, Any]) -> Iterator[None]:
+        """Hold the folder for the campaign that `document` describes, making it if need be.
 
-        With a server's storage several processes may share the folder. Raises InputError if another campaign is there,
+        With a server's storage several processes may share the folder. Raises InputError or StorageError as `changes` does,
         StorageError if the folder cannot be written or, with its embedded record, is in use by another process.
         """
         make_folder(self.folder)
         with ExitStack() as held:
             if document["storage"] is None:
                 held.enter_context(locked(self.folder))
-            changes = self._changes(document)
+            self.changes(document)
             self._write(CAMPAIGN_FILE, document)
-            yield changes
+            yield
 
-    def write_statistics(self, document: Mapping[str, Any]) -> None:
-        """Write the statistics as JSON."""
-        self._write(STATISTICS_FILE, document)
+    def changes(self, document: Mapping[str, Any]) -> Changes:
+        """How a campaign differs from the one in the folder, if there is one.
 
-    def _changes(self, document: Mapping[str, Any]) -> Changes:
+        Raises InputError if that is another campaign, StorageError if there is a record without its campaign.
+        """
         stored = read_document(self.folder / CAMPAIGN_FILE)
         if stored is None:
             if (self.folder / STUDY_FILE).exists():
@@ -92,6 +91,10 @@ class CampaignDirectory:
         changes = campaign_changes(stored["identity"], document["identity"])
         changes.check(str(self.folder))
         return changes
+
+    def write_statistics(self, document: Mapping[str, Any]) -> None:
+        """Write the statistics as JSON."""
+        self._write(STATISTICS_FILE, document)
 
     def _write(self, name: str, document: Mapping[str, Any]) -> None:
         text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False)

@@ -23,23 +23,41 @@ from railsearch.campaign.problems import make_problems
 from railsearch.campaign.reading import read_campaign
 from railsearch.campaign.results import CampaignResults
 from railsearch.campaign.tasks import TaskProgress, cell_tasks, check_recorded, evaluation_seconds, is_complete, recorded
+from railsearch.campaign.template import campaign_template
 from railsearch.commands.campaign_progress import campaign_progress
 from railsearch.commands.campaign_tables import campaign_tables, cost_tables
-from railsearch.commands.options import AsJson, Folder, StorageUrl, command_line, messages, print_json, results
+from railsearch.commands.options import (
+    AsJson,
+    DaskAddress,
+    Folder,
+    Output,
+    ProblemName,
+    StorageUrl,
+    command_line,
+    messages,
+    print_json,
+    results,
+    write_template,
+)
+from railsearch.dask_cluster import connected
 from railsearch.design_problem import DesignProblem
 from railsearch.errors import CampaignError, InputError
 from railsearch.plugin_manager import Registry, load_plugins
-from railsearch.storage import Patience, Storage, claims_of, read_progress, storage_url, without_password
-
-STORAGE_PATIENCE = 300.0
+from railsearch.storage import (
+    STORAGE_PATIENCE,
+    Patience,
+    Storage,
+    claims_of,
+    is_file,
+    read_progress,
+    storage_url,
+    without_password,
+)
 
 CampaignFile = Annotated[
     Path, typer.Argument(metavar="FILE.toml", help="Campaign file; `railsearch init-campaign PROBLEM` writes one.")
 ]
 Workers = Annotated[int, typer.Option("--workers", "-w", help="Processes of this machine that run cells.", min=1)]
-DaskAddress = Annotated[
-    str | None, typer.Option("--dask", metavar="ADDRESS", help="Run cells in a Dask cluster, for instance tcp://host:8786.")
-]
 
 
 class Format(StrEnum):
@@ -91,32 +109,41 @@ def campaign(
     directory = CampaignDirectory(out or Path(prepared.campaign.name))
     given_url = None if storage is None else storage_url(storage)
     url = given_url or directory.embedded_url
-    stored = read_progress(url, f"{prepared.campaign.name}/")
-    check_recorded(prepared.tasks, stored, without_password(url))
-    if dry_run:
-        _print_cost(prepared, recorded(prepared.tasks, stored), workers)
-        return
     document = {
         "command": command_line(),
         "storage": given_url and without_password(given_url),
         "identity": campaign_identity(prepared.registry, prepared.campaign, prepared.problems),
         "skipped": [[refusal.problem, refusal.strategy, refusal.reason] for refusal in prepared.skipped],
     }
-    with directory.claimed(document) as changes:
-        for change in changes.compatible:
-            messages.print(f"changed: {change}")
-        failed = _carried_out(prepared, url, directory, dask, workers, batch_workers)
+    changes = directory.changes(document)
+    stored = read_progress(url, f"{prepared.campaign.name}/")
+    check_recorded(prepared.tasks, stored, without_password(url))
+    for change in changes.compatible:
+        messages.print(f"changed: {change}")
+    if dry_run:
+        _print_cost(prepared, recorded(prepared.tasks, stored), workers)
+        return
+    with directory.claimed(document):
+        failed = _carried_out(prepared, url, dask, workers, batch_workers)
         found = _report(prepared.registry, directory, document, url)
     _print_found(found, as_json)
     if failed:
         raise CampaignError(failed)
 
 
+def init_campaign(name: ProblemName, out: Output = None) -> None:
+    """Write a commented campaign file for a problem: all strategies that can search it, everything else to choose.
+
+    railsearch init-campaign level-crossing --out my-campaign.toml
+    """
+    write_template(out, campaign_template(load_plugins(), name))
+
+
 def report(folder: Folder, storage: StorageUrl = None, as_json: AsJson = False) -> None:
     """Make the report of a campaign from its record, finished or not, while it runs or afterwards."""
     directory = CampaignDirectory(folder)
     stored = directory.stored()
-    url = directory.url(stored) if storage is None else storage_url(storage)
+    url = directory.url(stored, storage)
     _print_found(_report(load_plugins(), directory, stored, url), as_json)
 
 
@@ -137,7 +164,7 @@ def export(
     chosen = form or _format_of(out)
     directory = CampaignDirectory(folder)
     stored = directory.stored()
-    url = directory.url(stored) if storage is None else storage_url(storage)
+    url = directory.url(stored, storage)
     writers[chosen](read_campaign(load_plugins(), url, campaign_of(stored["identity"])), out)
     messages.print(f"wrote {out}")
 
@@ -154,11 +181,9 @@ def _prepared(file: Path, skip_incapable: bool) -> _Prepared:
     return _Prepared(registry, defined, problems, refused, tasks)
 
 
-def _carried_out(
-    prepared: _Prepared, url: str, directory: CampaignDirectory, dask: str | None, workers: int, batch_workers: int
-) -> str:
+def _carried_out(prepared: _Prepared, url: str, dask: str | None, workers: int, batch_workers: int) -> str:
     """Carry the cells out; what could not be finished, in words."""
-    patience = Patience(0.0 if url.startswith("sqlite") else STORAGE_PATIENCE, messages.print)
+    patience = Patience(0.0 if is_file(url) else STORAGE_PATIENCE, messages.print)
     stored = read_progress(url, f"{prepared.campaign.name}/")
     before = recorded(prepared.tasks, stored)
     if before.complete == len(prepared.tasks):
@@ -185,12 +210,9 @@ def _carried_out(
 def _places(registry: Registry, dask: str | None, workers: int) -> Places:
     if dask is None:
         return places_here(registry, workers)
-    try:
-        from railsearch.campaign.dask_places import DaskPlaces
+    from railsearch.campaign.dask_places import DaskPlaces
 
-        return DaskPlaces(dask, notify=messages.print)
-    except ImportError as error:
-        raise InputError(f"--dask: {error}; install it with `pip install 'railsearch[dask]'`") from None
+    return DaskPlaces(connected(dask, messages.print))
 
 
 def _print_cost(prepared: _Prepared, progress: TaskProgress, workers: int) -> None:

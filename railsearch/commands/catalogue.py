@@ -2,25 +2,20 @@
 
 import dataclasses
 import inspect
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from rich.table import Column, Table
 
-from railsearch.commands.options import AsJson, messages, print_json, readable, results
+from railsearch.commands.options import AsJson, Output, print_json, readable, results, write_template
 from railsearch.errors import InputError, PluginError
 from railsearch.parameters import Description, describe_parameters
 from railsearch.plugin_manager import KINDS, Entry, Registry, load_plugins
 from railsearch.problem_factory import ProblemSettings, make_problem
-from railsearch.run_directory import write_whole
 from railsearch.site import site_template
 
 Kind = Annotated[str | None, typer.Argument(metavar="[KIND]", help=f"One of {', '.join(KINDS)}; default: all.")]
 Name = Annotated[str, typer.Argument(metavar="NAME", help="Name of a plugin of any kind; see `railsearch list`.")]
-Output = Annotated[
-    Path | None, typer.Option("--out", "-o", metavar="FILE.toml", help="File to write; default: standard output.")
-]
 
 
 def list_plugins(kind: Kind = None, as_json: AsJson = False) -> None:
@@ -61,14 +56,7 @@ def init(
     out: Output = None,
 ) -> None:
     """Write a commented site file with every default, to be edited and given to the other commands as --parameters."""
-    text = site_template(load_plugins(), name)
-    if out is None:
-        typer.echo(text, nl=False)
-        return
-    if out.exists():
-        raise InputError(f"--out: {out} exists and is not overwritten; choose another name")
-    write_whole(out, text.encode("utf-8"))
-    messages.print(f"wrote {out}")
+    write_template(out, site_template(load_plugins(), name))
 
 
 def _entry_document(entry: Entry) -> dict[str, Any]:

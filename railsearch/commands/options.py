@@ -17,6 +17,7 @@ from railsearch.design_problem import DesignProblem
 from railsearch.errors import InputError
 from railsearch.plugin_manager import Registry
 from railsearch.problem_factory import ProblemSettings, amended_design, make_problem
+from railsearch.run_directory import write_whole
 from railsearch.site import Site, read_site
 from railsearch.space import FloatArray
 from railsearch.storage import without_password
@@ -36,6 +37,12 @@ Objectives = Annotated[
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run or a campaign (its --out).")]
 StorageUrl = Annotated[
     str | None, typer.Option("--storage", metavar="URL", help="Optuna storage URL; default: an SQLite file in DIR.")
+]
+DaskAddress = Annotated[
+    str | None, typer.Option("--dask", metavar="ADDRESS", help="Work in a Dask cluster, for instance tcp://host:8786.")
+]
+Output = Annotated[
+    Path | None, typer.Option("--out", "-o", metavar="FILE.toml", help="File to write; default: standard output.")
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print the result as JSON on standard output.")]
 
@@ -100,6 +107,17 @@ def results() -> Console:
 def print_json(document: object) -> None:
     """Print a document on standard output, numbers to the last bit."""
     sys.stdout.write(json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def write_template(out: Path | None, text: str) -> None:
+    """Print a template, or write it to a new file. Raises InputError if the file exists, StorageError."""
+    if out is None:
+        sys.stdout.write(text)
+        return
+    if out.exists():
+        raise InputError(f"--out: {out} exists and is not overwritten; choose another name")
+    write_whole(out, text.encode("utf-8"))
+    messages.print(f"wrote {out}")
 
 
 def quantity_label(name: str, unit: str) -> str:

@@ -8,10 +8,12 @@ from typing import Annotated, Any
 
 import typer
 
+from railsearch.campaign.directory import CampaignDirectory
 from railsearch.commands.options import (
     AsJson,
     Asked,
     Assignments,
+    DaskAddress,
     Folder,
     Objectives,
     Parameters,
@@ -26,22 +28,29 @@ from railsearch.commands.options import (
 )
 from railsearch.commands.progress import run_progress
 from railsearch.commands.tables import result_tables, sentence
+from railsearch.dask_cluster import connected
 from railsearch.design_problem import DesignProblem
 from railsearch.errors import InputError, StorageError
 from railsearch.plugin_manager import Registry, load_plugins
 from railsearch.problem_factory import given_designs
 from railsearch.result import RunCommand, result_document
 from railsearch.run import RunResult, RunSettings, make_strategy, run_search
-from railsearch.run_directory import RESULT_FILE, RunDirectory
+from railsearch.run_directory import RESULT_FILE, RunDirectory, recorded_url
 from railsearch.run_identity import all_settings, problem_of, run_identity
 from railsearch.seeding import checked_seed
-from railsearch.space import FloatArray
+from railsearch.simulation import Simulators
+from railsearch.space import FloatArray, Space
 from railsearch.storage import (
+    STORAGE_PATIENCE,
+    Patience,
     RunStorage,
+    Storage,
     StudyDescription,
     check_storage,
+    is_file,
     open_run,
     plain,
+    server_claims,
     storage_url,
     without_password,
 )
@@ -69,6 +78,13 @@ def run(
     timeout: Annotated[
         float | None, typer.Option("--timeout", metavar="SECONDS", help="Time limit of one evaluation.")
     ] = None,
+    workers: Annotated[
+        int, typer.Option("--workers", "-w", help="Designs of a batch evaluated at a time, in processes.", min=1)
+    ] = 1,
+    dask: DaskAddress = None,
+    initial_seed: Annotated[
+        int | None, typer.Option("--initial-seed", help="Seed of the initial design, if it is to differ from the seed.")
+    ] = None,
     storage: StorageUrl = None,
     out: Annotated[Path | None, typer.Option("--out", "-o", metavar="DIR", help="Folder of the run.")] = None,
     as_json: AsJson = False,
@@ -83,7 +99,14 @@ def run(
     registry = load_plugins()
     asked = asked_problem(registry, name, parameters, objectives, scalarise)
     settings = RunSettings(
-        strategy, budget, _seed(seed, out), _strategy_settings(registry, asked, strategy, assigned), batch, timeout
+        strategy,
+        budget,
+        _seed(seed, out),
+        _strategy_settings(registry, asked, strategy, assigned),
+        batch,
+        timeout,
+        None if initial_seed is None else checked_seed(initial_seed),
+        workers,
     )
     given = given_designs(asked.problem, asked.site.given)
     make_strategy(registry, asked.problem, settings, len(given))
@@ -94,11 +117,12 @@ def run(
     with folder.claimed(document) as begun:
         command = RunCommand(begun["command"], identity)
         try:
-            record = open_run(url or folder.embedded_url, _study(asked.problem, command), asked.problem.space)
+            record = _claimed_record(url or folder.embedded_url, _study(asked.problem, command), asked.problem.space)
         except StorageError:
             folder.withdraw(begun, document)
             raise
-        result = _searched(registry, asked.problem, settings, given, record, folder)
+        simulating = None if dask is None else _in_cluster(dask, asked.problem, settings)
+        result = _searched(registry, asked.problem, settings, given, record, folder, simulating)
         found = result_document(registry, asked.problem, command, result)
         _finish(folder, asked.problem, found, result)
     _print_result(found, as_json)
@@ -106,6 +130,8 @@ def run(
 
 def show(folder: Folder, storage: StorageUrl = None, as_json: AsJson = False) -> None:
     """Show the result of a run: of a complete one as it was written, of an incomplete one from its record."""
+    if CampaignDirectory(folder).held:
+        raise InputError(f"DIR: {folder} holds a campaign; `railsearch report {folder}` shows it")
     directory = RunDirectory(folder)
     stored = _stored(directory)
     found = directory.stored_result() or _unfinished(directory, stored, storage)
@@ -117,11 +143,15 @@ def dashboard(
     storage: StorageUrl = None,
     port: Annotated[int, typer.Option("--port", help="Port on 127.0.0.1.", min=1, max=65535)] = 8080,
 ) -> None:
-    """Look into a run in Optuna's dashboard, on 127.0.0.1; Ctrl-C ends it."""
+    """Look into a run or a campaign in Optuna's dashboard, on 127.0.0.1; Ctrl-C ends it."""
     from optuna_dashboard import run_server
 
-    directory = RunDirectory(folder)
-    url = _url(directory, _stored(directory), storage)
+    of_campaign = CampaignDirectory(folder)
+    if of_campaign.held:
+        url = of_campaign.url(of_campaign.stored(), storage)
+    else:
+        directory = RunDirectory(folder)
+        url = _url(directory, _stored(directory), storage)
     check_storage(url)
     messages.print(f"dashboard at http://127.0.0.1:{port}/ - end it with Ctrl-C")
     try:
@@ -148,6 +178,20 @@ def _study(problem: DesignProblem, command: RunCommand) -> StudyDescription:
     return StudyDescription(name, identity, names, problem.n_ieq_constr, study_note(problem, command))
 
 
+def _claimed_record(url: str, study: StudyDescription, space: Space) -> RunStorage:
+    """The record of a run; on a server it is this process's until it ends, in a file the folder is held already."""
+    storage = Storage(url, Patience(0.0 if is_file(url) else STORAGE_PATIENCE, messages.print), server_claims(url))
+    if not storage.claim(study.name):
+        raise StorageError(f"{without_password(url)}: study '{study.name}' is in work by another process; wait for it")
+    return storage.run(study, space)
+
+
+def _in_cluster(address: str, problem: DesignProblem, settings: RunSettings) -> Simulators:
+    from railsearch.dask_simulation import dask_simulators
+
+    return dask_simulators(connected(address, messages.print), problem, settings.timeout, settings.batch_size)
+
+
 def _searched(
     registry: Registry,
     problem: DesignProblem,
@@ -155,6 +199,7 @@ def _searched(
     given: list[FloatArray],
     record: RunStorage,
     folder: RunDirectory,
+    simulating: Simulators | None,
 ) -> RunResult:
     stored = len(record.load())
     limit = int(min(settings.budget, problem.space.size))
@@ -165,7 +210,7 @@ def _searched(
     messages.print(f"{problem.label}, strategy {settings.strategy}, budget {settings.budget}, seed {settings.seed}")
     try:
         with run_progress(problem, limit) as watch:
-            return run_search(registry, problem, settings, given, record, watch)
+            return run_search(registry, problem, settings, given, record, watch, simulating)
     except KeyboardInterrupt:
         messages.print(
             f"stopped: {len(record.load())} evaluations are in {folder.folder}; the same command goes on from there"
@@ -223,9 +268,4 @@ def _stored(directory: RunDirectory) -> dict[str, Any]:
 def _url(directory: RunDirectory, stored: Mapping[str, Any], storage: str | None) -> str:
     if storage is not None:
         return storage_url(storage)
-    if stored["storage"] is None:
-        return directory.embedded_url
-    url = str(stored["storage"])
-    if "***" in url:
-        raise StorageError(f"the record is at {url}, whose password was not kept: give it with --storage")
-    return url
+    return recorded_url(stored["storage"], directory.embedded_url)

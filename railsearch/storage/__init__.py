@@ -1,8 +1,8 @@
 """Records in Optuna's storages: the only room that touches Optuna's studies and storages."""
 
-from railsearch.storage.access import Patience
+from railsearch.storage.access import STORAGE_PATIENCE, Patience
 from railsearch.storage.address import check_storage, is_file, storage_url, without_password
-from railsearch.storage.claims import Claims, claims_of
+from railsearch.storage.claims import Claims, claims_of, server_claims
 from railsearch.storage.progress import StudyProgress, read_progress
 from railsearch.storage.study import (
     IDENTITY,
@@ -16,6 +16,7 @@ from railsearch.storage.study import (
 
 __all__ = [
     "IDENTITY",
+    "STORAGE_PATIENCE",
     "Claims",
     "Patience",
     "RunStorage",
@@ -29,6 +30,7 @@ __all__ = [
     "open_run",
     "plain",
     "read_progress",
+    "server_claims",
     "storage_url",
     "without_password",
 ]

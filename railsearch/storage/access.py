@@ -12,6 +12,8 @@ from sqlalchemy.exc import SQLAlchemyError
 from railsearch.errors import StorageError
 
 Result = TypeVar("Result")
+STORAGE_PATIENCE = 300.0
+"""Seconds for which commands wait for a server."""
 FIRST_WAIT = 0.5
 LONGEST_WAIT = 30.0
 

@@ -9,7 +9,10 @@ from railsearch.errors import InputError, StorageError
 
 
 def storage_url(url: str) -> str:
-    """An Optuna storage URL with the path of an SQLite file made absolute. Raises InputError if it is none."""
+    """An Optuna storage URL, the path of an SQLite file absolute, PostgreSQL's driver psycopg 3 unless another is named.
+
+    Raises InputError if it is none.
+    """
     try:
         parsed = make_url(url)
     except ArgumentError:
@@ -18,6 +21,8 @@ def storage_url(url: str) -> str:
         ) from None
     if parsed.drivername.startswith("sqlite") and parsed.database:
         parsed = parsed.set(database=os.path.abspath(parsed.database))
+    if parsed.drivername == "postgresql":
+        parsed = parsed.set(drivername="postgresql+psycopg")
     return parsed.render_as_string(hide_password=False)
 
 

@@ -156,7 +156,12 @@ class FileClaims:
 
 def claims_of(url: str) -> Claims:
     """The claims of a storage."""
-    return FileClaims(url) if is_file(url) else ServerClaims(url)
+    return server_claims(url) or FileClaims(url)
+
+
+def server_claims(url: str) -> Claims | None:
+    """The claims of a server's storage, None for a file."""
+    return None if is_file(url) else ServerClaims(url)
 
 
 def _locked(connection: Connection, name: str) -> bool:

@@ -169,7 +169,8 @@ def _fill(connection: Connection, studies: Sequence[int], places: Mapping[int, t
         joined = source.join(TRIALS, TRIALS.c.trial_id == source.c.trial_id)
         rows = select(source.c.trial_id, source.c[key], source.c[value]).select_from(joined)
         rows = rows.where(TRIALS.c.study_id.in_(studies), *where)
-        for trial, name, entry in connection.execute(rows):
+        # Fetched whole: while rows are on their way, nobody can write to an SQLite file.
+        for trial, name, entry in connection.execute(rows).all():
             if trial in places:
                 study, row = places[trial]
                 entries = getattr(study, part)[name]

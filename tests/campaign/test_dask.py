@@ -12,7 +12,12 @@ from campaign_runs import Trial, environment, wait_until
 from postgresql_server import free_port
 from railsearch.campaign.coordinator import Watcher
 from railsearch.campaign.dask_places import DaskPlaces
+from railsearch.dask_cluster import DaskCluster
+from railsearch.dask_simulation import dask_simulators
 from railsearch.errors import InputError
+from railsearch.interfaces import Evaluation
+from railsearch.plugin_manager import load_plugins
+from railsearch.run import RunSettings, run_search
 
 pytestmark = [pytest.mark.usefixtures("sample_plugin"), pytest.mark.xdist_group("campaign processes")]
 
@@ -70,7 +75,7 @@ def test_the_campaign_ends_complete_and_equal_to_the_serial_one_whatever_dies(cl
             cluster.restart_scheduler()
 
     wait_until(lambda: _reached(cluster), 60.0)
-    assert trial.carry_out(places=DaskPlaces(cluster.address), watcher=Watcher(evaluation=disturb)) == {}
+    assert trial.carry_out(places=DaskPlaces(DaskCluster(cluster.address)), watcher=Watcher(evaluation=disturb)) == {}
     assert len(events) == 2
     assert serial.carry_out() == {}
     found, expected = trial.found(), serial.found()
@@ -80,9 +85,32 @@ def test_the_campaign_ends_complete_and_equal_to_the_serial_one_whatever_dies(cl
     assert trial.evaluations <= len(trial.calls) <= trial.evaluations + under_way
 
 
+def test_a_batch_of_one_run_is_evaluated_by_the_workers_although_one_dies(cluster: Cluster, tmp_path: Path) -> None:
+    from sample_plugin import Behaviour, Journalled
+
+    problem = Journalled(Behaviour(str(tmp_path / "journal"), seconds=0.05))
+    settings = RunSettings("ga", 40, 1, batch_size=6)
+    wait_until(lambda: _reached(cluster), 60.0)
+    journal = tmp_path / "journal"
+
+    def kill(evaluation: Evaluation) -> None:
+        if evaluation.number == 14:
+            cluster.workers[1].kill()
+
+    with closing(DaskCluster(cluster.address)) as client:
+        simulating = dask_simulators(client, problem, None, 6)
+        spread = run_search(load_plugins(), problem, settings, watch=kill, simulating=simulating)
+    calls = journal.read_text().splitlines()
+    alone = run_search(load_plugins(), Journalled(Behaviour()), settings)
+    assert [e.design.tobytes() for e in spread.evaluations] == [e.design.tobytes() for e in alone.evaluations]
+    assert [e.objectives for e in spread.evaluations] == [e.objectives for e in alone.evaluations]
+    assert len({line.split()[0] for line in calls}) == 3
+    assert 40 <= len(calls) <= 41
+
+
 def test_an_address_without_a_scheduler_is_refused() -> None:
     with pytest.raises(InputError, match=r"--dask: no scheduler answers at tcp://127.0.0.1"):
-        DaskPlaces(f"tcp://127.0.0.1:{free_port()}", connect_seconds=1.0)
+        DaskCluster(f"tcp://127.0.0.1:{free_port()}", connect_seconds=1.0)
 
 
 def test_a_cluster_that_stays_without_workers_ends_the_waiting(cluster: Cluster, tmp_path: Path) -> None:
@@ -92,13 +120,13 @@ def test_a_cluster_that_stays_without_workers_ends_the_waiting(cluster: Cluster,
         worker.wait()
     trial, told = Trial(tmp_path), []
     with pytest.raises(InputError, match=r"no worker at tcp://.* for 0.5 s.*All finished evaluations are stored"):
-        trial.carry_out(places=DaskPlaces(cluster.address, patience=0.5, notify=told.append))
+        trial.carry_out(places=DaskPlaces(DaskCluster(cluster.address, patience=0.5, notify=told.append)))
     assert "has no workers" in told[0]
 
 
 def _reached(cluster: Cluster) -> bool:
     try:
-        with closing(DaskPlaces(cluster.address, connect_seconds=1.0)) as places:
-            return len(places.present()) == 3
+        with closing(DaskCluster(cluster.address, connect_seconds=1.0)) as client:
+            return sum(client.threads().values()) == 3
     except InputError:
         return False
