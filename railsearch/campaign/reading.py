@@ -59,4 +59,4 @@ def _stacked(columns: Mapping[int, FloatArray], m: int, n: int) -> FloatArray:
 def _constraints(rows: Sequence[Sequence[float] | None], k: int) -> FloatArray:
     """Constraints (n, k), NaN where an evaluation failed."""
     nothing = [np.nan] * k
-    return np.array([nothing if row is None else row for row in rows], dtype=float).reshape(len(rows), k)
+    return np.array([nothing if row is None else row for row in rows], dtype=float)
