@@ -69,6 +69,10 @@ def copy_trials(connection: Connection, tables: MetaData, source: str, target: s
     connection.execute(insert(trials).from_select(columns, copied))
     for table in (tables.tables[name] for name in OF_TRIALS):
         columns = [column.name for column in table.c if not column.primary_key]
-        copied = select(*(replaced["trial_id"] if name == "trial_id" else table.c[name] for name in columns))
-        joined = table.join(trials, trials.c.trial_id == table.c.trial_id)
-        connection.execute(insert(table).from_select(columns, copied.select_from(joined).where(trials.c.study_id == here)))
+        copied = (
+            select(*(replaced["trial_id"] if name == "trial_id" else table.c[name] for name in columns))
+            .select_from(table.join(trials, trials.c.trial_id == table.c.trial_id))
+            .where(trials.c.study_id == here)
+            .order_by(*table.primary_key)
+        )
+        connection.execute(insert(table).from_select(columns, copied))
