@@ -12,14 +12,13 @@ from html_page import Page
 from railsearch.campaign.analysis import campaign_document
 from railsearch.report import campaign_tables as tables
 from railsearch.report.campaign_figures import (
-    COLOURS,
-    DASHES,
     attainment_figure,
     campaign_figures,
     curves_figure,
     figure_name,
     ranks_figure,
     spread,
+    swatch,
     targets_figure,
 )
 from railsearch.report.campaign_page import campaign_page
@@ -150,8 +149,16 @@ def test_bands_of_many_strategies_are_those_of_the_best() -> None:
 
 
 def test_twenty_eight_strategies_look_different() -> None:
-    looks = {(place % len(COLOURS), place % len(DASHES)) for place in range(28)}
+    looks = set()
+    for place in range(28):
+        (style,) = re.findall(r'<path d="[^"]*" style="(fill: none;[^"]*)"', drawn(swatch(place), "svg", "key").decode())
+        looks.add(tuple(re.findall(r"(?:stroke|stroke-dasharray): ([^;]+);?", style)))
     assert len(looks) == 28
+
+
+def test_best_values_are_steps() -> None:
+    figure = targets_figure("", [1, 2], {"a": [0.0, 1.0]}, {"a": 0})
+    assert lines_of(figure)["strategy-0-line"].get_drawstyle() == "steps-post"
 
 
 @given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=12))
