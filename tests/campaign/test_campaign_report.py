@@ -151,8 +151,9 @@ def test_bands_of_many_strategies_are_those_of_the_best() -> None:
 def test_twenty_eight_strategies_look_different() -> None:
     looks = set()
     for place in range(28):
-        (style,) = re.findall(r'<path d="[^"]*" style="(fill: none;[^"]*)"', drawn(swatch(place), "svg", "key").decode())
-        looks.add(tuple(re.findall(r"(?:stroke|stroke-dasharray): ([^;]+);?", style)))
+        drawing = drawn(swatch(place), "svg", "key").decode()
+        (line,) = [style for style in re.findall(r'style="([^"]*)"', drawing) if "stroke-width: 1.7" in style]
+        looks.add(tuple(re.findall(r"(?:stroke|stroke-dasharray): ([^;]+)", line)))
     assert len(looks) == 28
 
 
