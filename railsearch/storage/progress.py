@@ -10,8 +10,8 @@ from sqlalchemy import Connection, create_engine, func, select
 
 from railsearch.storage.access import readable
 from railsearch.storage.address import storage_exists, without_password
-from railsearch.storage.reader import KNOWN_SCHEMA, STUDIES, STUDY_ATTRIBUTES, TRIALS, schema_of
 from railsearch.storage.study import IDENTITY
+from railsearch.storage.tables import KNOWN_SCHEMA, STUDIES, STUDY_ATTRIBUTES, TRIALS, schema_of
 
 
 @dataclass(frozen=True)

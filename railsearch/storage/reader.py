@@ -15,29 +15,30 @@ from typing import Any
 import numpy as np
 import optuna
 from numpy.typing import NDArray
-from sqlalchemy import ColumnElement, Connection, TableClause, column, create_engine, func, inspect, select, table
+from sqlalchemy import ColumnElement, Connection, Table, create_engine, func, select
 
 from railsearch.errors import StorageError
 from railsearch.space import FloatArray
 from railsearch.storage.access import readable
 from railsearch.storage.address import check_storage, without_password
 from railsearch.storage.study import IDENTITY, OWN_ATTRIBUTES
+from railsearch.storage.tables import (
+    ATTRIBUTES,
+    CONSTRAINTS,
+    KNOWN_SCHEMA,
+    PARAMETERS,
+    STUDIES,
+    STUDY_ATTRIBUTES,
+    SYSTEM_ATTRIBUTES,
+    TRIALS,
+    VALUES,
+    schema_of,
+)
 
-KNOWN_SCHEMA = "v3.2.0.a"
 TRIALS_AT_ONCE = 20_000
 STUDIES_AT_ONCE = 500
-CONSTRAINTS = "constraints"
 FINISHED = {"COMPLETE", "FAIL"}
 INFINITE = {"INF_POS": math.inf, "INF_NEG": -math.inf}
-
-SCHEMA = table("alembic_version", column("version_num"))
-STUDIES = table("studies", column("study_id"), column("study_name"))
-STUDY_ATTRIBUTES = table("study_user_attributes", column("study_id"), column("key"), column("value_json"))
-TRIALS = table("trials", column("trial_id"), column("study_id"), column("state"))
-PARAMETERS = table("trial_params", column("trial_id"), column("param_name"), column("param_value"))
-VALUES = table("trial_values", column("trial_id"), column("objective"), column("value"), column("value_type"))
-ATTRIBUTES = table("trial_user_attributes", column("trial_id"), column("key"), column("value_json"))
-SYSTEM_ATTRIBUTES = table("trial_system_attributes", column("trial_id"), column("key"), column("value_json"))
 
 
 @dataclass(frozen=True)
@@ -107,13 +108,6 @@ def read_studies(url: str, prefix: str) -> Iterator[StudyColumns]:
             yield from (_columns(study, place) for study in _from_optuna(url, prefix))
 
 
-def schema_of(connection: Connection) -> str | None:
-    """The schema of Optuna's tables; None where there are none yet."""
-    if not inspect(connection).has_table(SCHEMA.name):
-        return None
-    return connection.execute(select(SCHEMA.c.version_num)).scalar()
-
-
 def _from_tables(connection: Connection, prefix: str) -> Iterator[_Gathered]:
     """The runs by SELECTs, many at a time, as long as the trials are not too many for the memory."""
     counted = (
@@ -165,7 +159,7 @@ def _batch(connection: Connection, names: Mapping[int, str]) -> Iterable[_Gather
 def _fill(connection: Connection, studies: Sequence[int], places: Mapping[int, tuple[_Gathered, int]]) -> None:
     """Put what the trials of the studies have into its place."""
 
-    def put(part: str, source: TableClause, key: str, value: str, *where: ColumnElement[bool]) -> None:
+    def put(part: str, source: Table, key: str, value: str, *where: ColumnElement[bool]) -> None:
         joined = source.join(TRIALS, TRIALS.c.trial_id == source.c.trial_id)
         rows = select(source.c.trial_id, source.c[key], source.c[value]).select_from(joined)
         rows = rows.where(TRIALS.c.study_id.in_(studies), *where)

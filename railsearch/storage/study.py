@@ -18,6 +18,7 @@ import optuna
 from optuna.distributions import BaseDistribution, FloatDistribution, IntDistribution
 from optuna.study import StudyDirection
 from optuna.trial import FrozenTrial, TrialState, create_trial
+from sqlalchemy import Engine
 
 from railsearch.errors import StorageError
 from railsearch.interfaces import Evaluation
@@ -25,6 +26,8 @@ from railsearch.space import Space
 from railsearch.storage.access import Patience, readable, writable
 from railsearch.storage.address import check_storage, is_file, without_password
 from railsearch.storage.claims import Claims
+from railsearch.storage.tables import CONSTRAINTS
+from railsearch.storage.writer import can_write, write_trial
 
 IDENTITY = "railsearch"
 OWN_ATTRIBUTES = ("evaluation", "origin", "trajectory", "reason", "duration [s]", "overhead [s]")
@@ -42,7 +45,11 @@ class StudyDescription:
 
 
 class RunStorage:
-    """The stored evaluations of one run; `lock` lets one thread write at a time."""
+    """The stored evaluations of one run.
+
+    lock: lets one thread write at a time; claims: without which nothing is written, if they are given; engine: of the
+    tables, if trials can be written straight into them.
+    """
 
     def __init__(
         self,
@@ -53,6 +60,7 @@ class RunStorage:
         lock: threading.Lock,
         patience: Patience,
         claims: Claims | None = None,
+        engine: Engine | None = None,
     ) -> None:
         self._study = study
         self._space = space
@@ -61,6 +69,7 @@ class RunStorage:
         self._lock = lock
         self._patience = patience
         self._claims = claims
+        self._engine = engine
         self._distributions = _distributions(space)
         self._safe = 0
 
@@ -92,11 +101,17 @@ class RunStorage:
             self._check_claim()
             # A broken connection leaves open whether the transaction before it was carried out.
             if attempts == 1 or not self._has(evaluation.number):
-                self._study.add_trial(trial)
+                self._add(trial)
 
         with writable(self._place, f"{self._safe} evaluations are"), self._lock:
             self._patience.insist(attempt)
         self._safe += 1
+
+    def _add(self, trial: FrozenTrial) -> None:
+        if self._engine is None:
+            self._study.add_trial(trial)
+        else:
+            write_trial(self._engine, self._study._study_id, trial)
 
     def _check_claim(self) -> None:
         if self._claims is not None and not self._claims.kept(self._study.study_name):
@@ -118,7 +133,7 @@ class RunStorage:
             params=self._space.named(evaluation.design),
             distributions=self._distributions,
             user_attrs=_attributes(evaluation),
-            system_attrs={"constraints": constraints} if constraints else {},
+            system_attrs={CONSTRAINTS: constraints} if constraints else {},
         )
         trial.datetime_start = now - datetime.timedelta(seconds=evaluation.duration)
         trial.datetime_complete = now
@@ -126,7 +141,7 @@ class RunStorage:
 
     def _evaluation(self, trial: FrozenTrial, n_objectives: int) -> Evaluation:
         attributes = trial.user_attrs
-        constraints = trial.system_attrs.get("constraints", [math.nan] * self._n_constraints)
+        constraints = trial.system_attrs.get(CONSTRAINTS, [math.nan] * self._n_constraints)
         return Evaluation(
             number=attributes["evaluation"] - 1,
             design=np.array([trial.params[name] for name in self._space.names], dtype=float),
@@ -153,7 +168,9 @@ class Storage:
         self._claims = claims
         self._lock = threading.Lock()
         with readable(self._place):
-            self._storage = optuna.storages.get_storage(_backend(url))
+            backend = _backend(url)
+            self._storage = optuna.storages.get_storage(backend)
+            self._engine = backend.engine if can_write(backend.engine) else None
 
     def claim(self, name: str) -> bool:
         """Claim a study by name; False if another process has it. Without claims everything is free."""
@@ -184,7 +201,16 @@ class Storage:
         else:
             with writable(self._place, "No evaluations are"), self._lock:
                 self._patience.insist(lambda: _describe(study, description))
-        return RunStorage(study, space, description.n_constraints, self._place, self._lock, self._patience, self._claims)
+        return RunStorage(
+            study,
+            space,
+            description.n_constraints,
+            self._place,
+            self._lock,
+            self._patience,
+            self._claims,
+            self._engine,
+        )
 
     def _study(self, description: StudyDescription, create: bool) -> tuple[optuna.Study, bool]:
         try:
@@ -196,9 +222,9 @@ class Storage:
         return optuna.create_study(storage=self._storage, study_name=description.name, directions=directions), False
 
 
-def _backend(url: str) -> str | optuna.storages.RDBStorage:
-    """What Optuna makes a storage of; a server's connections are tried before they are used, as they may have broken."""
-    return url if is_file(url) else optuna.storages.RDBStorage(url, engine_kwargs={"pool_pre_ping": True})
+def _backend(url: str) -> optuna.storages.RDBStorage:
+    """Optuna's storage at a URL; a server's connections are tried before they are used, as they may have broken."""
+    return optuna.storages.RDBStorage(url, engine_kwargs={} if is_file(url) else {"pool_pre_ping": True})
 
 
 def open_run(url: str, description: StudyDescription, space: Space, create: bool = True) -> RunStorage:
