@@ -15,6 +15,7 @@ from railsearch.campaign.comparison import (
     compared,
     comparison_document,
     complete_repetitions,
+    front_distance_document,
 )
 from railsearch.campaign.conclusions import campaign_conclusion, leading, listed, problem_conclusion
 from railsearch.campaign.measure import Measure, measure_of
@@ -81,6 +82,7 @@ def _problem_entry(
         "repetitions": list(data.repetitions),
         **comparison_document(data, generator),
         "attainment": attainment_document(results, data, _signs(problem)) if problem.n_obj == 2 else {},
+        "front_distance": front_distance_document(results, data, problem.pareto_front()),
         "cells": [_cells(results, asked.label, strategy.label, skipped) for strategy in results.campaign.strategies],
         "design": best_design_document(problem, records),
     }

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from railsearch.campaign.cells import Cell
 from railsearch.campaign.measure import Measure
 from railsearch.campaign.results import CampaignResults, CellRecord
-from railsearch.indicators import attainment_surface, non_dominated
+from railsearch.indicators import attainment_surface, igd_plus, non_dominated
 from railsearch.space import FloatArray
 from railsearch.statistics import (
     Targets,
@@ -203,6 +203,25 @@ def attainment_document(results: CampaignResults, data: Compared, signs: FloatAr
         levels = attainment_surface(fronts, ATTAINMENT_FRACTIONS)
         surfaces[strategy] = [(signs * thinned(corners)).tolist() for corners in levels]
     return surfaces
+
+
+def front_distance_document(results: CampaignResults, data: Compared, front: FloatArray | None) -> dict[str, Any]:
+    """For each strategy median and quartiles of the final IGD+ to the problem's known front (q, m), as it is minimised.
+
+    Objectives are scaled by the box of the hypervolume. Empty without a known front or several objectives.
+    """
+    box = data.measure.box
+    if front is None or box is None:
+        return {}
+    width = box.reference - box.ideal
+    distances = {}
+    for strategy in data.strategies:
+        cells = [Cell(data.label, strategy, number) for number in data.repetitions]
+        found = [_front(results.records[cell], results.campaign.budget) / width for cell in cells]
+        values = np.array([[igd_plus(front_of_run, front / width)] for front_of_run in found])
+        lower, median, upper = plain(quantile_bands(values)[:, 0])
+        distances[strategy] = {"median": median, "lower": lower, "upper": upper}
+    return distances
 
 
 def thinned(corners: FloatArray) -> FloatArray:

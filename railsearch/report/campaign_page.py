@@ -30,6 +30,10 @@ PAIRWISE_KEY = (
     "Probability that the row's strategy ends better than the column's (Vargha and Delaney's A12; 0.5: no tendency), and "
     "the p-value of the Wilcoxon rank-sum test adjusted by Holm for all pairs. ▲ significantly better, ▼ worse."
 )
+DISTANCE_KEY = (
+    "Modified inverted generational distance at the end of the budget, objectives scaled by the box of the hypervolume; "
+    "median of the repetitions, quartiles beneath. Lower is better."
+)
 RUNNING_TIME_KEY = (
     "Evaluations that the strategy is expected to need, restarted until it succeeds, to reach each target; beneath, how "
     "many repetitions reached it. Targets by their share of the way from the first value to the best one found."
@@ -153,6 +157,8 @@ def _comparison(entry: Entry) -> list[str]:
         else ""
     )
     parts = [f'<div class="pair"><div>{budget}</div><div>{pairs}</div></div>']
+    if entry["front_distance"]:
+        parts += ["<h3>Distance from the known front</h3>", tables.front_distance_table(entry), f"<p>{DISTANCE_KEY}</p>"]
     if entry["targets"]:
         inside = f"{tables.running_time_table(entry)}<p>{RUNNING_TIME_KEY}</p>"
         parts.append(f"<details><summary>Expected running time to targets{escaped(unit)}</summary>{inside}</details>")

@@ -68,6 +68,15 @@ def pairwise_table(entry: Entry) -> str:
     )
 
 
+def front_distance_table(entry: Entry) -> str:
+    """The distance IGD+ of every strategy's fronts from the problem's known front, the closest first."""
+    distances = entry["front_distance"]
+    order = sorted(distances, key=lambda name: (distances[name]["median"] is None, distances[name]["median"] or 0.0))
+    return table(
+        ["strategy", "IGD+"], [[name, _median_cell(distances[name])] for name in order], numbers=(1,), kind=SORTABLE
+    )
+
+
 def running_time_table(entry: Entry) -> str:
     """Expected running times to some of the targets, with how many repetitions reach them."""
     targets, runs = entry["targets"], len(entry["repetitions"])

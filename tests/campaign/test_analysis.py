@@ -306,6 +306,21 @@ def test_the_order_of_strategies_changes_nothing() -> None:
     assert np.array(one["pairwise"]["adjusted"])[::-1, ::-1] == pytest.approx(np.array(other["pairwise"]["adjusted"]))
 
 
+def test_the_distance_from_a_known_front() -> None:
+    class Known(TwoObjectives):
+        def _calc_pareto_front(self) -> FloatArray:
+            return np.array([[0.0, 10.0], [10.0, 0.0]])
+
+    problem = Known(worst={})
+    rows = {"near": [[10.0, 20.0], [0.0, 10.0], [10.0, 0.0]], "far": [[10.0, 20.0], [2.0, 10.0], [10.0, 0.0]]}
+    records = {Cell("p", strategy, 1): record_of(problem, values) for strategy, values in rows.items()}
+    entry = only(CampaignResults(campaign_of({"p": problem}, list(rows), 1, 3), {"p": problem}, records))
+    # The box is 10 wide in `left`: half of the front is missed by 2, that is by 0.2 of the box.
+    assert entry["front_distance"]["near"]["median"] == 0.0
+    assert entry["front_distance"]["far"]["median"] == pytest.approx(0.5 * 0.2)
+    assert only(results_of(Sphere(), CLEAR))["front_distance"] == {}
+
+
 def test_attainment_of_two_runs() -> None:
     problem = TwoObjectives()
     rows = {1: [[1.0, 4.0], [3.0, 2.0]], 2: [[2.0, 3.0], [9.0, 9.0]]}

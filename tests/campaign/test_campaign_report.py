@@ -272,3 +272,9 @@ def test_running_times_are_shown_with_their_successes() -> None:
     head, first, second = cells_of(tables.running_time_table(entry))
     assert head[-1] == "1 (99 % of the way)"
     assert (first[-1].split(), second[-1].split()) == (["6", "2", "of", "2"], ["16", "1", "of", "2"])
+
+
+def test_distances_from_a_known_front_are_sorted_and_shown() -> None:
+    far, near = ({"median": value, "lower": value, "upper": value} for value in (0.2, 0.1))
+    rows = cells_of(tables.front_distance_table({"front_distance": {"far": far, "near": near}}))
+    assert [row[0] for row in rows] == ["strategy", "near", "far"]
