@@ -11,7 +11,7 @@
 | N | runs | scalar | - | |
 | α(z) | empirical attainment: fraction of runs with an f ≤ z | scalar | - | Fonseca et al. 2011 |
 
-The volumes, distances and attainment surfaces themselves are computed by moocore.
+Dominance, volumes, distances and attainment surfaces themselves are computed by moocore.
 """
 
 import math
@@ -29,10 +29,10 @@ def non_dominated(objectives: FloatArray) -> NDArray[np.intp]:
 
     a dominates b if a_i ≤ b_i for all i and a_i < b_i for one (Deb 2001, section 2.4).
     """
+    import moocore
+
     unique, first = np.unique(objectives, axis=0, return_index=True)
-    no_worse = np.all(unique[:, None, :] <= unique[None, :, :], axis=2)
-    np.fill_diagonal(no_worse, False)
-    return np.sort(first[~no_worse.any(axis=0)])
+    return np.sort(first[moocore.is_nondominated(unique)]) if len(unique) else first
 
 
 def hypervolume(objectives: FloatArray, reference_point: FloatArray) -> float:
