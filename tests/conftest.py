@@ -4,6 +4,7 @@ import importlib.metadata
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -81,3 +82,11 @@ def install(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
         monkeypatch.setattr(importlib.metadata, "entry_points", entry_points)
 
     return installed
+
+
+@pytest.fixture
+def sample_plugin(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Install the sample plugin here and in the processes that are started from here."""
+    distribution = str(Path(__file__).parent / "sample_distribution")
+    monkeypatch.syspath_prepend(distribution)
+    monkeypatch.setenv("PYTHONPATH", distribution)
