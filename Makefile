@@ -3,7 +3,8 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 DEMO := demo-run
-MARK := $(shell command -v chromium >/dev/null 2>&1 || echo "not system")
+POSTGRESQL := $(shell command -v initdb || ls /usr/lib/postgresql/*/bin/initdb 2>/dev/null)
+MARK := $(shell command -v chromium >/dev/null 2>&1 && test -n "$(POSTGRESQL)" || echo "not system")
 
 .PHONY: demo test lint benchmark clean
 
@@ -13,7 +14,7 @@ demo: $(VENV)/run.stamp
 
 test: $(VENV)/test.stamp lint
 	$(BIN)/pytest -n 2 --dist loadgroup -m "$(MARK)"
-	@test -z "$(MARK)" || $(BIN)/pytest --collect-only -q -m system 2>/dev/null | sed -n 's/^tests.*::/left out for want of Chromium: &/p'
+	@test -z "$(MARK)" || $(BIN)/pytest --collect-only -q -m system 2>/dev/null | sed -n 's/^tests.*::/left out for want of Chromium or PostgreSQL: &/p'
 
 lint: $(VENV)/test.stamp
 	$(BIN)/ruff check .

@@ -1,5 +1,8 @@
 """The note of a study in Optuna's dashboard: what was searched, in which units, from which reference design."""
 
+from collections.abc import Mapping
+from typing import Any
+
 from railsearch.design_problem import DesignProblem
 from railsearch.result import RunCommand, quantities
 
@@ -11,7 +14,9 @@ def study_note(problem: DesignProblem, command: RunCommand) -> str:
     lines = [
         f"# {problem.label}",
         "",
-        f"Strategy `{identity['strategy']['name']}`, {identity['budget']} evaluations, seed {identity['seed']}. "
+        *_place(identity),
+        f"Strategy `{identity['strategy']['name']}`, {identity['budget']} evaluations, seed {identity['seed']}"
+        f"{_initial(identity)}. "
         "All values are stored as minimised; a maximised quantity is negated.",
         "",
         "## Quantities",
@@ -30,9 +35,25 @@ def study_note(problem: DesignProblem, command: RunCommand) -> str:
             for v in problem.space.variables
         ),
         "",
-        "Trial n is evaluation n + 1 of the tables and of result.json (column `evaluation`). Columns `origin` and "
+        "Column `evaluation` is the number of the tables, from 1 in the order of proposal. Columns `origin` and "
         "`trajectory` tell how a design came about and after how many resets; a failed trial has its `reason`.",
         "",
         f"    {command.line}",
     ]
     return "\n".join(lines)
+
+
+def _place(identity: Mapping[str, Any]) -> list[str]:
+    """Where a run belongs in a campaign, if it does."""
+    cell = identity.get("cell")
+    if cell is None:
+        return []
+    return [
+        f"Campaign **{cell['campaign']}**, problem **{cell['problem']}**, strategy **{cell['strategy']}**, "
+        f"repetition {cell['repetition']}.",
+        "",
+    ]
+
+
+def _initial(identity: Mapping[str, Any]) -> str:
+    return f" (initial design: {identity['initial_seed']})" if "initial_seed" in identity else ""
