@@ -44,7 +44,7 @@ class Watcher:
     """Who is told what happens: new evaluations, complete cells with all of theirs, and messages. Called in any thread."""
 
     evaluation: Callable[[CellTask, Evaluation], None] = lambda task, evaluation: None
-    complete: Callable[[CellTask, Sequence[Evaluation], int], None] = lambda task, evaluations, new: None
+    complete: Callable[[CellTask, Sequence[Evaluation]], None] = lambda task, evaluations: None
     message: Callable[[str], None] = lambda text: None
 
 
@@ -167,9 +167,7 @@ class Coordinator:
         task = work.task
         record = self._storage.run(task.description, task.space)
         stored = record.load()
-        at_start, error = len(stored), ""
-        if at_start < task.evaluations:
-            error = self._searched(work, place, record, stored)
+        error = "" if len(stored) >= task.evaluations else self._searched(work, place, record, stored)
         if self._stopping and len(stored) < task.evaluations:
             return
         with self._changed:
@@ -178,7 +176,7 @@ class Coordinator:
             self._unfinished -= 1
             self._changed.notify_all()
         if not error:
-            self._watcher.complete(task, stored, len(stored) - at_start)
+            self._watcher.complete(task, stored)
 
     def _searched(self, work: _Work, place: Place, record: RunStorage, stored: list[Evaluation]) -> str:
         """Carry a run on until it ends; the error that ended it, empty if it is complete."""

@@ -35,24 +35,27 @@ def _task(registry: Registry, campaign: Campaign, problem: DesignProblem, cell: 
 
 @dataclass(frozen=True)
 class TaskProgress:
-    """How much of the tasks is recorded: complete cells, evaluations, and evaluations still to make, by problem."""
+    """How much of the tasks is recorded: complete cells, evaluations by cell, and evaluations still to make by problem."""
 
     complete: int
-    evaluations: int
+    stored: Mapping[Cell, int]
     missing: Mapping[str, int]
 
+    @property
+    def evaluations(self) -> int:
+        """The recorded evaluations of all cells."""
+        return sum(self.stored.values())
 
-def recorded(tasks: Sequence[CellTask], stored: Mapping[str, StudyProgress]) -> TaskProgress:
+
+def recorded(tasks: Sequence[CellTask], studies: Mapping[str, StudyProgress]) -> TaskProgress:
     """How much of the tasks the studies of a storage hold."""
-    complete, evaluations = 0, 0
-    missing: dict[str, int] = {}
+    stored: dict[Cell, int] = {}
+    missing = dict.fromkeys((task.cell.problem for task in tasks), 0)
     for task in tasks:
-        progress = stored.get(task.description.name)
-        done = min(progress.evaluations if progress else 0, task.evaluations)
-        complete += is_complete(task, stored)
-        evaluations += done
-        missing[task.cell.problem] = missing.get(task.cell.problem, 0) + task.evaluations - done
-    return TaskProgress(complete, evaluations, missing)
+        progress = studies.get(task.description.name)
+        stored[task.cell] = min(progress.evaluations if progress else 0, task.evaluations)
+        missing[task.cell.problem] += task.evaluations - stored[task.cell]
+    return TaskProgress(sum(is_complete(task, studies) for task in tasks), stored, missing)
 
 
 def is_complete(task: CellTask, stored: Mapping[str, StudyProgress]) -> bool:

@@ -105,6 +105,8 @@ def campaign(
 
         railsearch campaign examples/campaign_level_crossing/campaign.toml --workers 2 --out my-campaign
     """
+    if dask is not None and workers > 1:
+        raise InputError("--workers, --dask: either processes of this machine or the workers of a cluster do the work")
     prepared = _prepared(file, skip_incapable)
     directory = CampaignDirectory(out or Path(prepared.campaign.name))
     given_url = None if storage is None else storage_url(storage)

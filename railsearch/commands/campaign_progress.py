@@ -53,23 +53,24 @@ class _Shown:
         self._progress = progress
         self._bar = bar
         self._cells = before.complete
-        self._done = before.evaluations
+        self._done = dict(before.stored)
         self._failed = 0
         self._lock = threading.Lock()
 
     def evaluation(self, task: CellTask, evaluation: Evaluation) -> None:
         """One more evaluation."""
         with self._lock:
-            self._done += 1
+            self._done[task.cell] += 1
             self._failed += evaluation.failed
             failed = f", {self._failed} failed" if self._failed else ""
-            self._progress.update(self._bar, completed=self._done, failed=failed)
+            self._progress.update(self._bar, advance=1, failed=failed)
 
-    def complete(self, task: CellTask, evaluations: Sequence[Evaluation], new: int) -> None:
+    def complete(self, task: CellTask, evaluations: Sequence[Evaluation]) -> None:
         """One more complete cell; what other processes evaluated of it counts now."""
         with self._lock:
             self._cells += 1
+            elsewhere = len(evaluations) - self._done[task.cell]
             problem, cell = self._problems[task.cell.problem], task.cell
             best = best_so_far(problem, front(evaluations))
             last = f"; last {cell.strategy} on {cell.problem}: {best}"
-            self._progress.update(self._bar, cells=self._cells, last=last)
+            self._progress.update(self._bar, advance=elsewhere, cells=self._cells, last=last)

@@ -30,6 +30,7 @@ from railsearch.storage.tables import CONSTRAINTS
 from railsearch.storage.writer import can_write, write_trial
 
 IDENTITY = "railsearch"
+OPENING_SECONDS = 5.0
 OWN_ATTRIBUTES = ("evaluation", "origin", "trajectory", "reason", "duration [s]", "overhead [s]")
 
 
@@ -168,7 +169,8 @@ class Storage:
         self._claims = claims
         self._lock = threading.Lock()
         with readable(self._place):
-            backend = _backend(url)
+            # Processes that begin at the same time on an empty server stand in one another's way for a moment.
+            backend = Patience(min(OPENING_SECONDS, self._patience.seconds)).insist(lambda: _backend(url))
             self._storage = optuna.storages.get_storage(backend)
             self._engine = backend.engine if can_write(backend.engine) else None
 

@@ -204,3 +204,9 @@ def test_a_folder_without_a_campaign_is_refused(railsearch: Cli, tmp_path: Path)
     answer = railsearch("report", tmp_path)
     assert answer.code == 2
     assert "holds no campaign" in answer.err
+
+
+def test_workers_of_two_kinds_are_refused(railsearch: Cli, tmp_path: Path) -> None:
+    answer = railsearch("campaign", Trial(tmp_path).file(), "--workers", 2, "--dask", "tcp://127.0.0.1:1")
+    assert answer.code == 2
+    assert "either processes of this machine or the workers of a cluster" in answer.err
