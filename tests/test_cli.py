@@ -369,3 +369,21 @@ def test_a_full_disk_loses_nothing(railsearch: Cli, tmp_path: Path) -> None:
     assert [[row[key] for key in keys] for row in first["evaluations"]] == [
         [row[key] for key in keys] for row in second["evaluations"]
     ]
+
+
+def test_a_batch_in_processes_finds_what_one_process_finds(railsearch: Cli, tmp_path: Path) -> None:
+    words = ["run", "ackley", "--strategy", "ga", "--budget", 18, "--seed", 4, "--batch", 4, "--json"]
+    answers = [railsearch(*words, "--workers", count, "--out", tmp_path / f"{count}") for count in (1, 2)]
+    assert [answer.code for answer in answers] == [0, 0], answers[1].err
+    found = [json.loads(answer.out)["evaluations"] for answer in answers]
+    kept = ("number", "design", "objectives", "origin")
+    assert [[e[key] for key in kept] for e in found[0]] == [[e[key] for key in kept] for e in found[1]]
+    assert "workers: 3 would find no more than the 2 designs" in railsearch(*words[:-3], "--batch", 2, "--workers", 3).err
+
+
+def test_an_initial_seed_is_shared_by_runs_of_different_seeds(railsearch: Cli, tmp_path: Path) -> None:
+    words = ["run", "ackley", "--strategy", "lmsrs", "--budget", 30, "--initial-seed", 8, "--json"]
+    runs = [railsearch(*words, "--seed", seed, "--out", tmp_path / f"{seed}") for seed in (1, 2)]
+    designs = [[row["design"] for row in json.loads(run.out)["evaluations"]] for run in runs]
+    assert designs[0][:20] == designs[1][:20]
+    assert designs[0] != designs[1]

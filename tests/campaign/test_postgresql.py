@@ -157,3 +157,18 @@ def test_a_server_without_an_answer_is_refused_at_the_door(tmp_path: Path) -> No
     assert "postgresql+psycopg://me:***@127.0.0.1:1/x cannot be opened" in err
     assert "secret" not in err + out
     assert trial.calls == []
+
+
+def test_a_run_whose_study_is_in_work_elsewhere_is_refused(server: Server, tmp_path: Path) -> None:
+    with server.database("run") as url:
+        words = ["run", "ackley", "--strategy", "random", "--budget", 5, "--seed", 1, "--storage", url]
+        other = ServerClaims(url)
+        assert other.take("ackley (f) / random / seed 1")
+        refused = command(*words, "--out", tmp_path / "refused")
+        _, err = refused.communicate(timeout=60)
+        assert refused.returncode == 2
+        assert "study 'ackley (f) / random / seed 1' is in work by another process" in err
+        other.close()
+        again = command(*words, "--out", tmp_path / "again")
+        _, err = again.communicate(timeout=60)
+        assert again.returncode == 0, err
