@@ -13,7 +13,7 @@ import resource
 import tempfile
 
 import optuna
-from measuring import seconds, spread, yardstick
+from measuring import both_seconds, seconds, spread, yardstick
 from synthetic_campaign import synthetic_campaign, write_campaign
 
 from railsearch.campaign.reading import read_campaign
@@ -49,14 +49,16 @@ def measure(url: str, asked: argparse.Namespace) -> None:
     ours, theirs, noise = [], [], []
     for _ in range(asked.repeats):
         noise.append(seconds(yardstick))
-        ours.append(seconds(lambda: read_campaign(registry, url, campaign)) / total)
+        ours.append(both_seconds(lambda: read_campaign(registry, url, campaign)))
         fresh = optuna.storages.get_storage(url)
-        theirs.append(seconds(lambda storage=fresh: by_optuna(storage, few)) / part)
+        theirs.append(both_seconds(lambda storage=fresh: by_optuna(storage, few)))
     print(f"{asked.repeats} interleaved repeats; {len(names)} cells of {campaign.budget} evaluations, {len(few)} by Optuna")
-    print(f"read_campaign, µs per evaluation: {spread([1e6 * value for value in ours])}")
-    print(f"read_campaign, s for all {total}: {spread([total * value for value in ours])}")
-    print(f"get_trials, µs per trial: {spread([1e6 * value for value in theirs])}")
-    print(f"ratio: {spread([slow / fast for slow, fast in zip(theirs, ours, strict=True)])}")
+    for index, kind in enumerate(("elapsed", "processor")):
+        fast, slow = [times[index] / total for times in ours], [times[index] / part for times in theirs]
+        print(f"{kind} time: read_campaign, µs per evaluation: {spread([1e6 * value for value in fast])}")
+        print(f"{kind} time: read_campaign, s for all {total}: {spread([total * value for value in fast])}")
+        print(f"{kind} time: get_trials, µs per trial: {spread([1e6 * value for value in slow])}")
+        print(f"{kind} time: ratio: {spread([s / f for s, f in zip(slow, fast, strict=True)])}")
     print(f"noise of the machine, s for fixed arithmetic: {spread(noise)}")
     print(f"memory at the peak, MB: {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3:.0f}")
 

@@ -14,6 +14,12 @@ def seconds(work: Callable[[], object]) -> float:
     return time.perf_counter() - start
 
 
+def both_seconds(work: Callable[[], object]) -> tuple[float, float]:
+    """How long a piece of work takes, and how much of this process's processor time."""
+    processor = time.process_time()
+    return seconds(work), time.process_time() - processor
+
+
 def yardstick() -> None:
     """A fixed piece of arithmetic whose spread over the repeats is the noise of the machine."""
     x = np.linspace(0.0, 1.0, 1000)

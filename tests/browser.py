@@ -1,6 +1,7 @@
 """Headless Chromium, driven through the DevTools protocol over a pipe: real clicks, and everything the page complains of."""
 
 import base64
+import fcntl
 import json
 import os
 import select
@@ -11,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-ANSWER_WITHIN = 30.0
+ANSWER_WITHIN = 60.0
 WORDS = [
     "chromium",
     "--headless",
@@ -132,8 +133,8 @@ def browsing(profile: Path) -> Iterator[Browser]:
     reading, from_chromium = os.pipe()
 
     def as_three_and_four() -> None:
-        # Copies first: one of the ends may be 3 or 4 itself.
-        ends = os.dup(to_chromium), os.dup(from_chromium)
+        # Copies above 4 first: one of the ends may be 3 or 4 itself, and a copy onto itself would be closed.
+        ends = [fcntl.fcntl(end, fcntl.F_DUPFD, 5) for end in (to_chromium, from_chromium)]
         os.dup2(ends[0], 3)
         os.dup2(ends[1], 4)
 

@@ -7,7 +7,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import product
 
-from railsearch.errors import InputError
 from railsearch.problem_factory import ProblemSettings
 
 
@@ -22,14 +21,6 @@ class Cell:
     def study_name(self, campaign: str) -> str:
         """The name of the cell's study."""
         return f"{campaign}/{self.problem}/{self.strategy}/{self.repetition}"
-
-    @classmethod
-    def from_study_name(cls, name: str) -> "Cell":
-        """The cell of a study. Raises InputError for any other name."""
-        parts = name.split("/")
-        if len(parts) != 4 or not parts[3].isdecimal():
-            raise InputError(f"study: a name campaign/problem/strategy/repetition is needed, received {name!r}")
-        return cls(parts[1], parts[2], int(parts[3]))
 
 
 @dataclass(frozen=True)
