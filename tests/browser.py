@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-ANSWER_WITHIN = 60.0
+ANSWER_WITHIN = 120.0
 WORDS = [
     "chromium",
     "--headless",
