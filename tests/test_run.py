@@ -1,4 +1,4 @@
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,8 @@ from railsearch.errors import CapabilityError, InputError
 from railsearch.interfaces import Capabilities, Evaluation, NoParameters, Proposal, SearchContext
 from railsearch.plugin_manager import Entry, Provenance, Registry, load_plugins
 from railsearch.run import MemoryRecord, RunSettings, best, front, run_search
+from railsearch.simulation import InProcess, Simulated, Simulators
+from railsearch.space import FloatArray
 from railsearch.storage import StudyDescription, open_run
 from sample_problems import MIXED, CountingSphere, Sphere, Troubled, TwoObjectives
 
@@ -197,3 +199,20 @@ def test_a_problem_without_choices_is_made_by_its_class() -> None:
     assert Sphere.make(load_plugins(), ["distance"], {}).name == "sphere"
     with pytest.raises(InputError, match="sphere always has distance, received F_max"):
         Sphere.make(load_plugins(), ["F_max"], {})
+
+
+def test_the_reference_design_is_finished_before_any_other_is_begun(registry: Registry) -> None:
+    """Otherwise the scalariser would meet other designs before it knows the reference design's objectives."""
+    base = TwoObjectives()
+    plugin = registry.get("scalariser", "asf")
+    problem = ScalarisedProblem(base, "asf", plugin(plugin.Parameters(), base.objectives, base.worst))
+
+    class Backwards(Simulators):
+        def simulate(self, designs: Sequence[FloatArray]) -> Iterator[tuple[int, Simulated]]:
+            return reversed(list(super().simulate(designs)))
+
+    given = [base.reference, np.array([1.0, 0.0, 1.0, 0.0]), np.array([2.0, 0.0, 1.0, 1.0])]
+    settings = RunSettings("random", 8, 1, batch_size=2)
+    result = run_search(registry, problem, settings, given, simulating=Backwards([InProcess(problem)]))
+    assert not result.failures
+    assert [evaluation.origin for evaluation in result.evaluations[:4]] == ["given", "given", "given", "random"]

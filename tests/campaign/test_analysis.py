@@ -57,7 +57,7 @@ def test_a_clear_winner_is_named_with_its_uncertainty() -> None:
     assert said.startswith("good is best on p, with 4 evaluations: median distance 3 m², quartiles 2 to 4 m²")
     assert "significantly better than both others" in said
     assert "Wilcoxon rank-sum test with Holm's correction at 5 %" in said
-    assert said.endswith("in all resamples of the 5 repetitions it has the best median.")
+    assert said.endswith("in all resamples of the 5 repetitions good has the best median.")
     assert document["notes"] == []
 
 
@@ -67,6 +67,11 @@ def test_strategies_that_cannot_be_told_apart_are_not_called_different() -> None
         "No strategy is distinguishable from the others on p, with 4 evaluations: other has the best median"
     )
     assert "is not significantly better than any other" in said
+
+
+def test_strategies_that_share_the_best_median_are_both_named() -> None:
+    said = campaign_document(results_of(Sphere(), {"a": [1.0, 2.0, 3.0, 4.0], "b": [2.0, 2.0, 3.0, 3.0]}))["conclusion"]
+    assert ": a and b share the best median (distance 2.5 m²" in said
 
 
 def test_a_winner_is_told_apart_from_some() -> None:

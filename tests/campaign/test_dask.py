@@ -85,6 +85,22 @@ def test_the_campaign_ends_complete_and_equal_to_the_serial_one_whatever_dies(cl
     assert trial.evaluations <= len(trial.calls) <= trial.evaluations + under_way
 
 
+def test_a_worker_that_dies_is_noticed_while_the_others_go_on(cluster: Cluster, tmp_path: Path) -> None:
+    """Its last request would wait for it for ever."""
+    trial, killed = Trial(tmp_path, repetitions=2, seconds=0.05), []
+
+    def kill(task: object, evaluation: object) -> None:
+        if len(trial.calls) > 20 and not killed:
+            killed.append(cluster.workers[0])
+            cluster.workers[0].kill()
+
+    wait_until(lambda: _reached(cluster), 60.0)
+    trial.carry_out(places=DaskPlaces(DaskCluster(cluster.address)), watcher=Watcher(evaluation=kill))
+    assert killed
+    assert {len(rows) for rows in trial.found().values()} == {trial.budget}
+    assert len(trial.calls) <= trial.evaluations + 1
+
+
 def test_a_batch_of_one_run_is_evaluated_by_the_workers_although_one_dies(cluster: Cluster, tmp_path: Path) -> None:
     from sample_plugin import Behaviour, Journalled
 
