@@ -7,7 +7,7 @@ import numpy as np
 
 from railsearch.campaign.cells import Cell
 from railsearch.campaign.results import CellRecord
-from railsearch.design_problem import DesignProblem, ScalarisedProblem
+from railsearch.design_problem import DesignProblem
 from railsearch.indicators import non_dominated
 from railsearch.interfaces import Evaluation
 from railsearch.result import evaluation_document, improvement, problem_document
@@ -31,7 +31,6 @@ def best_design_document(problem: DesignProblem, records: Mapping[Cell, CellReco
     return {
         "problem": problem_document(problem),
         "searched": list(dict.fromkeys(searched)),
-        "scalarised": isinstance(problem, ScalarisedProblem),
         "reference": reference and evaluation_document(problem, reference),
         "best": found and evaluation_document(problem, found),
         "found_by": cell and {"strategy": cell.strategy, "repetition": cell.repetition},

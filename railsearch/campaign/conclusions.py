@@ -48,14 +48,15 @@ def problem_conclusion(entry: Entry, budget: int) -> str:
 
 def leading(entry: Entry) -> str | None:
     """The strategy with the best final median, of equals the one that is best in most resamples; None without a value."""
-    maximised = entry["measure"]["maximised"]
+    return max(best_medians(entry), key=lambda name: float(entry["probability_best"][name]), default=None)
+
+
+def best_medians(entry: Entry) -> list[str]:
+    """The strategies that have the best final median; none without a value."""
     finals = {row["strategy"]: row["places"][-1]["median"] for row in entry["fixed_budget"]}
     reached = {strategy: value for strategy, value in finals.items() if value is not None}
-    if not reached:
-        return None
-    best = max(reached.values()) if maximised else min(reached.values())
-    equals: list[str] = [name for name, value in reached.items() if value == best]
-    return max(equals, key=lambda name: float(entry["probability_best"][name]))
+    best = (max if entry["measure"]["maximised"] else min)(reached.values(), default=None)
+    return [name for name, value in reached.items() if value == best]
 
 
 def beaten_by(entry: Entry, leader: str) -> list[str]:
@@ -80,7 +81,7 @@ def _compared(entry: Entry, leader: str, where: str, result: str) -> str:
     beaten = beaten_by(entry, leader)
     others = [name for name in entry["compared"] if name != leader and name not in beaten]
     share = (
-        f"in {_resamples(entry['probability_best'][leader])} of the {len(entry['repetitions'])} repetitions it has "
+        f"in {_resamples(entry['probability_best'][leader])} of the {len(entry['repetitions'])} repetitions {leader} has "
         "the best median"
     )
     held = f"{result}, {_quartiles(entry, leader)}"
@@ -91,7 +92,9 @@ def _compared(entry: Entry, leader: str, where: str, result: str) -> str:
             f"{leader} leads {where}: median {held}; it is significantly better than {listed(beaten)}, but not "
             f"distinguishable from {listed(others)} ({TEST}); {share}."
         )
-    return f"{_undecided(entry)} {where}: {leader} has the best median ({held}), {_unproven(entry)}; {share}."
+    equals = best_medians(entry)
+    has = f"{leader} has" if len(equals) == 1 else f"{listed(equals)} share"
+    return f"{_undecided(entry)} {where}: {has} the best median ({held}), {_unproven(entry)}; {share}."
 
 
 def _undecided(entry: Entry) -> str:
