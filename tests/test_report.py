@@ -154,3 +154,12 @@ def test_hostile_text_stays_text(result: Path) -> None:
     assert not {"script", "img", "b"} & set(page.tags)
     assert "<script>alert(1)</script>" in page.text
     assert "</table><b>& so on" in page.text
+
+
+def test_figures_of_an_earlier_report_do_not_stay(tmp_path: Path) -> None:
+    figure = history_figure(Sphere(), HISTORY)
+    write_figures(tmp_path, {"1-curves-old": figure, "all": figure})
+    (tmp_path / "notes.txt").write_text("mine")
+    write_figures(tmp_path, {"1-curves-new": figure, "all": figure})
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {"1-curves-new.png", "1-curves-new.svg", "all.png", "all.svg", "notes.txt"}

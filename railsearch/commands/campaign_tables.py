@@ -9,7 +9,7 @@ from rich.table import Table
 from railsearch.campaign.cells import Campaign
 from railsearch.campaign.coordinator import CellTask
 from railsearch.campaign.tasks import TaskProgress
-from railsearch.commands.options import quantity_label, readable
+from railsearch.wording import quantity_label, readable
 
 STORING_SECONDS = 0.004
 """What the machinery adds to one evaluation, measured (benchmarks/README.md)."""

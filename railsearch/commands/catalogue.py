@@ -7,12 +7,19 @@ from typing import Annotated, Any
 import typer
 from rich.table import Column, Table
 
-from railsearch.commands.options import AsJson, Output, print_json, readable, results, write_template
+from railsearch.commands.options import (
+    AsJson,
+    Output,
+    print_json,
+    results,
+    write_template,
+)
 from railsearch.errors import InputError, PluginError
 from railsearch.parameters import Description, describe_parameters
 from railsearch.plugin_manager import KINDS, Entry, Registry, load_plugins
 from railsearch.problem_factory import ProblemSettings, make_problem
 from railsearch.site import site_template
+from railsearch.wording import readable
 
 Kind = Annotated[str | None, typer.Argument(metavar="[KIND]", help=f"One of {', '.join(KINDS)}; default: all.")]
 Name = Annotated[str, typer.Argument(metavar="NAME", help="Name of a plugin of any kind; see `railsearch list`.")]

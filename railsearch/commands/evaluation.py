@@ -22,8 +22,6 @@ from railsearch.commands.options import (
     changed_design,
     messages,
     print_json,
-    quantity_label,
-    readable,
     results,
 )
 from railsearch.commands.progress import run_progress
@@ -36,6 +34,7 @@ from railsearch.run import MemoryRecord, RunSettings, run_search
 from railsearch.run_directory import write_whole
 from railsearch.seeding import checked_seed
 from railsearch.site import track_section
+from railsearch.wording import quantity_label, readable
 
 ModelName = Annotated[
     str, typer.Argument(metavar="TRACK_MODEL", help="Name of a track model; see `railsearch list track-model`.")

@@ -120,18 +120,6 @@ def write_template(out: Path | None, text: str) -> None:
     messages.print(f"wrote {out}")
 
 
-def quantity_label(name: str, unit: str) -> str:
-    """A name with its unit in brackets."""
-    return f"{name} [{unit}]" if unit else name
-
-
-def readable(value: object) -> str:
-    """A number with five significant digits, anything else as it is."""
-    if value is None:
-        return "–"
-    return f"{value:.5g}" if isinstance(value, float) else str(value)
-
-
 def command_line() -> str:
     """The command as it was given, without passwords."""
     words = list(sys.argv[1:])

@@ -5,7 +5,7 @@ from typing import Any
 from rich.console import RenderableType
 from rich.table import Table
 
-from railsearch.commands.options import quantity_label, readable
+from railsearch.wording import quantity_label, readable
 
 FRONT_ROWS = 12
 

@@ -3,7 +3,14 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from railsearch.report.markup import Markup, Row, escaped, labelled, readable, table
+from railsearch.report.markup import (
+    Markup,
+    Row,
+    escaped,
+    labelled,
+    table,
+)
+from railsearch.wording import readable
 
 Entry = Mapping[str, Any]
 TARGETS_SHOWN = 5

@@ -3,7 +3,11 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from railsearch.report.markup import labelled, readable, table
+from railsearch.report.markup import (
+    labelled,
+    table,
+)
+from railsearch.wording import readable
 
 
 def quantities_table(document: Mapping[str, Any], searched: Sequence[str]) -> str:

@@ -32,9 +32,15 @@ def run_figures(problem: DesignProblem, evaluations: Sequence[Evaluation]) -> di
 
 
 def write_figures(folder: Path, figures: Mapping[str, Figure]) -> None:
-    """Write every figure as PNG and SVG. Raises StorageError if the folder cannot be written."""
+    """Write every figure as PNG and SVG, and remove those of an earlier report that are none any more.
+
+    Raises StorageError if the folder cannot be written.
+    """
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
+        for path in (*folder.glob("*.svg"), *folder.glob("*.png")):
+            if path.stem not in figures:
+                path.unlink()
         for name, figure in figures.items():
             for kind in ("svg", "png"):
                 write_whole(folder / f"{name}.{kind}", drawn(figure, kind, name))

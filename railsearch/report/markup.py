@@ -10,6 +10,7 @@ from string import Template
 from typing import TYPE_CHECKING, Any
 
 from railsearch.report.figures import drawn
+from railsearch.wording import quantity_label
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -87,16 +88,9 @@ def inlined(image: str, name: str) -> str:
     return re.sub(r'(\bid="|url\(#|href="#)', rf"\g<1>{name}-", element)
 
 
-def readable(value: object) -> str:
-    """A number with five significant digits, a dash for nothing, anything else as it is."""
-    if value is None:
-        return "–"
-    return f"{value:.5g}" if isinstance(value, float) else str(value)
-
-
 def labelled(quantity: Mapping[str, Any]) -> str:
     """A name with its unit in brackets."""
-    return f"{quantity['name']} [{quantity['unit']}]" if quantity["unit"] else str(quantity["name"])
+    return quantity_label(quantity["name"], quantity["unit"])
 
 
 def escaped(value: object) -> str:

@@ -8,8 +8,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from railsearch.report.design_tables import quantities_table, variables_table
-from railsearch.report.markup import escaped, labelled, page, picture, readable, section, table
+from railsearch.report.markup import (
+    escaped,
+    labelled,
+    page,
+    picture,
+    section,
+    table,
+)
 from railsearch.run_directory import write_whole
+from railsearch.wording import readable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
