@@ -82,9 +82,10 @@ class ServerClaims:
         """Let everything go."""
         with self._lock:
             self._held.clear()
-            self._disconnect()
-            if self._engine is not None:
+            if self._connection is not None and self._engine is not None:
+                self._connection.close()
                 self._engine.dispose()
+            self._connection = None
 
     def _connected(self) -> Connection:
         """The session that holds the locks; in a new one, those of the old one are taken again as far as they are free."""
@@ -93,7 +94,8 @@ class ServerClaims:
                 self._connection.execute(text("SELECT 1"))
                 return self._connection
             except SQLAlchemyError:
-                self._disconnect()
+                self._connection.invalidate()
+                self._connection = None
         if self._engine is None:
             self._engine = create_engine(self._url, isolation_level="AUTOCOMMIT", pool_size=1)
         if self._engine.dialect.name not in TAKE:
@@ -105,12 +107,6 @@ class ServerClaims:
         self._held = {name for name in sorted(self._held) if _locked(connection, name)}
         self._connection = connection
         return connection
-
-    def _disconnect(self) -> None:
-        if self._connection is not None:
-            self._connection.invalidate()
-            self._connection.close()
-        self._connection = None
 
 
 class FileClaims:
