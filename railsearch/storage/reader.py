@@ -35,7 +35,8 @@ from railsearch.storage.tables import (
     schema_of,
 )
 
-TRIALS_AT_ONCE = 20_000
+# Few enough that a writer to an SQLite file, who waits while it is read, waits for a fraction of a second.
+TRIALS_AT_ONCE = 5_000
 STUDIES_AT_ONCE = 500
 FINISHED = {"COMPLETE", "FAIL"}
 INFINITE = {"INF_POS": math.inf, "INF_NEG": -math.inf}
@@ -163,8 +164,7 @@ def _fill(connection: Connection, studies: Sequence[int], places: Mapping[int, t
         joined = source.join(TRIALS, TRIALS.c.trial_id == source.c.trial_id)
         rows = select(source.c.trial_id, source.c[key], source.c[value]).select_from(joined)
         rows = rows.where(TRIALS.c.study_id.in_(studies), *where)
-        # Fetched whole: while rows are on their way, nobody can write to an SQLite file.
-        for trial, name, entry in connection.execute(rows).all():
+        for trial, name, entry in connection.execute(rows):
             if trial in places:
                 study, row = places[trial]
                 entries = getattr(study, part)[name]
