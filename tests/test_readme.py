@@ -78,7 +78,7 @@ def test_the_python_example_runs() -> None:
 
 
 def test_every_command_and_file_that_the_readme_names_exists(railsearch: Callable[..., Answer]) -> None:
-    commands = set(re.findall(r"^    railsearch ([a-z]+)", README, re.MULTILINE))
+    commands = set(re.findall(r"^    railsearch ([a-z-]+)", README, re.MULTILINE))
     for command in commands:
         assert railsearch(command, "--help").code == 0
     for path in re.findall(r"\]\(([^)#]+)\)", README):

@@ -11,7 +11,6 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from railsearch.campaign.analysis import campaign_document
 from railsearch.campaign.capability import Refusal, capable_cells, check_capable, refusals
 from railsearch.campaign.cells import Campaign
 from railsearch.campaign.coordinator import CellTask, Coordinator, failure_message
@@ -226,6 +225,7 @@ def _print_cost(prepared: _Prepared, progress: TaskProgress, workers: int) -> No
 
 def _report(registry: Registry, directory: CampaignDirectory, stored: Mapping[str, Any], url: str) -> dict[str, Any]:
     """Statistics, figures, report and table of a campaign, from its storage alone."""
+    from railsearch.campaign.analysis import campaign_document
     from railsearch.campaign.export import write_parquet
     from railsearch.report import write_figures
     from railsearch.report.campaign_figures import campaign_figures
@@ -234,7 +234,7 @@ def _report(registry: Registry, directory: CampaignDirectory, stored: Mapping[st
     messages.print("reading the record, drawing the report")
     gathered = read_campaign(registry, url, campaign_of(stored["identity"]))
     skipped = {(problem, strategy) for problem, strategy, _ in stored["skipped"]}
-    found = campaign_document(gathered, skipped) | {"command": stored["command"], "storage": stored["storage"]}
+    found = campaign_document(gathered, skipped, stored["command"])
     write_parquet(gathered, directory.results)
     directory.write_statistics(found)
     write_figures(directory.figures, campaign_figures(found))
