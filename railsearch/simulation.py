@@ -77,6 +77,7 @@ class SeparateProcess:
         self._timeout = timeout
         self._process: BaseProcess | None = None
         self._connection: Connection | None = None
+        self._closing = threading.Lock()
 
     def warm_up(self) -> None:
         """Start the process, which warms the problem up."""
@@ -93,12 +94,14 @@ class SeparateProcess:
         return received if isinstance(received, Simulated) else Simulated(str(received), time.perf_counter() - start)
 
     def close(self) -> None:
-        """Kill the process, if there is one."""
-        if self._process is not None and self._connection is not None:
-            self._process.kill()
-            self._process.join()
-            self._connection.close()
-        self._process = self._connection = None
+        """Kill the process, if there is one; also while another thread waits for it."""
+        with self._closing:
+            process, connection = self._process, self._connection
+            self._process = self._connection = None
+        if process is not None and connection is not None:
+            process.kill()
+            process.join()
+            connection.close()
 
     def _started(self) -> tuple[Connection, BaseProcess]:
         if self._process is None or self._connection is None:

@@ -73,19 +73,23 @@ class ServerClaims:
     def release(self, name: str) -> None:
         """Let a study go; if the connection broke, the server has done it."""
         with self._lock:
-            if name in self._held and self._connection is not None:
-                with suppress(SQLAlchemyError):
-                    self._connection.execute(text(RELEASE[self._connection.dialect.name]), _key(name))
-            self._held.discard(name)
+            self._let_go(name)
 
     def close(self) -> None:
         """Let everything go."""
         with self._lock:
-            self._held.clear()
+            for name in sorted(self._held):
+                self._let_go(name)
             if self._connection is not None and self._engine is not None:
                 self._connection.close()
                 self._engine.dispose()
             self._connection = None
+
+    def _let_go(self, name: str) -> None:
+        if name in self._held and self._connection is not None:
+            with suppress(SQLAlchemyError):
+                self._connection.execute(text(RELEASE[self._connection.dialect.name]), _key(name))
+        self._held.discard(name)
 
     def _connected(self) -> Connection:
         """The session that holds the locks; in a new one, those of the old one are taken again as far as they are free."""

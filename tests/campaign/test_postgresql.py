@@ -109,7 +109,7 @@ def test_a_server_that_stays_away_stops_the_campaign_cleanly(tmp_path: Path) -> 
         assert len(trial.calls) == trial.evaluations + 1
 
 
-def test_a_claim_is_exclusive_until_it_is_released_or_its_process_is_gone(server: Server) -> None:
+def test_a_claim_is_exclusive_until_it_is_released(server: Server) -> None:
     one, other = ServerClaims(server.url), ServerClaims(server.url)
     assert one.take("a/b/c/1")
     assert not other.take("a/b/c/1")
