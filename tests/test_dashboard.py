@@ -1,6 +1,5 @@
-"""A run seen in Optuna's dashboard, by headless Chromium."""
+"""Runs and campaigns seen in Optuna's dashboard, by headless Chromium."""
 
-import socket
 import subprocess
 import sys
 import time
@@ -12,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from conftest import Answer
+from postgresql_server import free_port
 from test_cli import sample_problems
 
 pytestmark = pytest.mark.system
@@ -30,12 +30,6 @@ QUIET = [
     "--window-size=1400,2400",
     "--virtual-time-budget=30000",
 ]
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 def wait_for(url: str, process: subprocess.Popen[bytes]) -> None:
@@ -105,3 +99,21 @@ def test_two_objectives_are_named(railsearch: Callable[..., Answer], install: Ca
         table = seen(f"{base}/studies/1/smartSelection", tmp_path)
         for word in ("left", "right", "comfort", "offspring"):
             assert word in table, word
+
+
+@pytest.mark.xdist_group("dashboard")
+def test_the_cells_of_a_campaign_are_told_apart(railsearch: Callable[..., Answer], tmp_path: Path) -> None:
+    file = tmp_path / "trial.toml"
+    file.write_text(
+        "[campaign]\nbudget = 12\nrepetitions = 2\nseed = 1\n"
+        'strategies = ["random", "nsga2"]\nproblems = ["ackley", "rastrigin"]\n'
+    )
+    assert railsearch("campaign", file, "--out", tmp_path / "out").code == 0
+    for base in dashboard(tmp_path / "out"):
+        listed = seen(f"{base}/", tmp_path)
+        for problem in ("ackley", "rastrigin"):
+            for strategy in ("random", "nsga2"):
+                assert f"trial/{problem}/{strategy}/2" in listed
+        note = seen(f"{base}/studies/1/note", tmp_path)
+        for word in ("Campaign", "trial", "repetition 1", "initial design", "12 evaluations"):
+            assert word in note, word
