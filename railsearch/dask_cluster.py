@@ -136,4 +136,4 @@ def connected(address: str, notify: Callable[[str], None]) -> DaskCluster:
     try:
         return DaskCluster(address, notify=notify)
     except ImportError as error:
-        raise InputError(f"--dask: {error}; install it with `pip install 'railsearch[dask]'`") from None
+        raise InputError(f"--dask: {error}; install it with `pip install distributed`") from None

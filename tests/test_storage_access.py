@@ -201,3 +201,8 @@ def test_a_file_that_is_no_storage_is_refused(tmp_path: Path) -> None:
 )
 def test_postgresql_means_the_driver_that_is_installed_with_railsearch(given: str, used: str) -> None:
     assert storage_url(given) == used
+
+
+def test_a_missing_driver_is_named_with_how_to_install_it() -> None:
+    with pytest.raises(StorageError, match=r"me:\*\*\*@host/db needs a driver .*No module named 'oracledb'"):
+        read_progress("oracle+oracledb://me:secret@host/db", "c/")

@@ -15,6 +15,7 @@ from railsearch.campaign.cell_run import Beginning, Request, Step
 from railsearch.campaign.cells import Cell
 from railsearch.campaign.places import Place, PlaceLost, Places
 from railsearch.interfaces import Evaluation
+from railsearch.result import versions
 from railsearch.space import Space
 from railsearch.storage import RunStorage, Storage, StudyDescription
 
@@ -81,6 +82,8 @@ class Coordinator:
         self._changed = threading.Condition()
         self._stopping = False
         self._fault: BaseException | None = None
+        self._versions = versions()
+        self._told: set[str] = set()
         self.failed: dict[Cell, str] = {}
 
     def carry_out(self, places: Places) -> None:
@@ -181,6 +184,7 @@ class Coordinator:
     def _searched(self, work: _Work, place: Place, record: RunStorage, stored: list[Evaluation]) -> str:
         """Carry a run on until it ends; the error that ended it, empty if it is complete."""
         step = self._step(work, place, stored, begin=True)
+        self._check_versions(place, step)
         while step.evaluation is not None:
             record.append(step.evaluation)
             stored.append(step.evaluation)
@@ -189,6 +193,16 @@ class Coordinator:
                 return ""
             step = self._step(work, place, stored)
         return step.error
+
+    def _check_versions(self, place: Place, step: Step) -> None:
+        """Say once of every place that it works with other versions than this process."""
+        others = [f"{name} {version}" for name, version in step.versions.items() if self._versions.get(name) != version]
+        if others and place.name not in self._told:
+            self._told.add(place.name)
+            own = ", ".join(f"{name} {version}" for name, version in self._versions.items())
+            self._watcher.message(
+                f"{place.name} works with {', '.join(others)}, this process with {own}: a run that moves may not go on as it was"
+            )
 
     def _step(self, work: _Work, place: Place, stored: Sequence[Evaluation], begin: bool = False) -> Step:
         """The next step of a run; it is begun from its record where it is not under way."""

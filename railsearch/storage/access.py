@@ -45,7 +45,12 @@ def readable(place: str) -> Iterator[None]:
     """Turn a failure to read into a StorageError that says what to do."""
     try:
         yield
-    except (SQLAlchemyError, OptunaError, OSError, ImportError, ValueError) as error:
+    except ImportError as error:
+        raise StorageError(
+            f"the storage {place} needs a driver that is not installed ({cause(error)}); for PostgreSQL it comes with "
+            "`pip install 'psycopg[binary]'`"
+        ) from error
+    except (SQLAlchemyError, OptunaError, OSError, ValueError) as error:
         raise StorageError(
             f"the storage {place} cannot be opened: {cause(error)}. Check the URL, the rights and the space there"
         ) from error

@@ -3,14 +3,18 @@
 import os
 import signal
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from campaign_runs import Trial
 
+from railsearch.campaign.cell_run import Request, Step
 from railsearch.campaign.cells import Cell
 from railsearch.campaign.coordinator import Watcher, failure_message
+from railsearch.campaign.places import FixedPlaces, Here
 from railsearch.errors import StorageError
+from railsearch.plugin_manager import load_plugins
 from railsearch.storage import Storage, claims_of
 
 pytestmark = pytest.mark.usefixtures("sample_plugin")
@@ -122,3 +126,18 @@ def test_an_unforeseen_fault_of_the_coordinator_stops_everything_and_loses_nothi
     trial.carry_out()
     assert len(trial.calls) <= trial.evaluations + 2
     assert sum(len(rows) for rows in trial.found().values()) == trial.evaluations
+
+
+def test_a_place_with_other_versions_is_told_once(tmp_path: Path) -> None:
+    class Elsewhere(Here):
+        name = "elsewhere"
+
+        def advance(self, request: Request) -> Step:
+            step = super().advance(request)
+            return replace(step, versions=step.versions and {**step.versions, "numpy": "1.0"})
+
+    told: list[str] = []
+    trial = Trial(tmp_path, strategies=("random",))
+    trial.carry_out(places=FixedPlaces([Elsewhere(load_plugins())]), watcher=Watcher(message=told.append))
+    (message,) = told
+    assert message.startswith("elsewhere works with numpy 1.0, this process with python")
