@@ -201,7 +201,7 @@ class Coordinator:
             self._told.add(place.name)
             own = ", ".join(f"{name} {version}" for name, version in self._versions.items())
             self._watcher.message(
-                f"{place.name} works with {', '.join(others)}, this process with {own}: a run that moves may not go on as it was"
+                f"{place.name} works with {', '.join(others)}, this process with {own}: a run that moves may change"
             )
 
     def _step(self, work: _Work, place: Place, stored: Sequence[Evaluation], begin: bool = False) -> Step:
