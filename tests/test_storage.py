@@ -8,7 +8,7 @@ from optuna.trial import TrialState
 
 from railsearch.errors import StorageError
 from railsearch.interfaces import Evaluation
-from railsearch.storage import RunStorage, StudyDescription, open_run
+from railsearch.storage import RunStorage, StudyDescription, identity_differences, open_run
 from sample_problems import MIXED, TwoObjectives
 
 IDENTITY = {"problem": "two", "seed": 1, "strategy": {"name": "random", "settings": {"a": (1.0, 2.0)}}}
@@ -105,3 +105,18 @@ def test_a_study_begun_by_another_program_is_refused(tmp_path: Path) -> None:
 def test_a_storage_that_cannot_be_opened_is_a_clear_error(url: str) -> None:
     with pytest.raises(StorageError, match="cannot be opened"):
         open_run(url, description(), MIXED)
+
+
+def test_what_differs_in_a_long_list_is_found() -> None:
+    reference = {f"x{k}": 1120.0 for k in range(8)}
+    longer = identity_differences({"given": [reference]}, {"given": [reference, {**reference, "x1": 100.0}]})
+    assert longer[0].startswith('given: there 1 entries, here 2, new is {"x0": 1120.0, "x1": 100.0')
+    assert identity_differences({"given": [reference]}, {"given": [{**reference, "x7": 5.0}]}) == [
+        "given[1].x7: there 1120.0, here 5.0"
+    ]
+    numbers = [float(k) for k in range(99)]
+    assert identity_differences({"level": numbers}, {"level": [*numbers[:50], -1.0, *numbers[51:]]}) == [
+        "level[51]: there 50.0, here -1.0"
+    ]
+    assert identity_differences({"short": [1]}, {"short": [2, 3]}) == ["short: there [1], here [2, 3]"]
+    assert identity_differences({"given": [reference]}, {"given": [dict(reference)]}) == []

@@ -1,6 +1,7 @@
 """Everything that a campaign says, as one plain document: what the report, the statistics file and the tables show."""
 
 import dataclasses
+import re
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
@@ -27,6 +28,7 @@ from railsearch.space import FloatArray
 
 FORMAT = "railsearch campaign statistics 1"
 REASONS_LISTED = 5
+TIME_LIMIT = re.compile(r"time limit of (\S+) s exceeded")
 
 Pair = tuple[str, str]
 
@@ -122,14 +124,15 @@ def _cells(results: CampaignResults, problem: str, strategy: str, skipped: Colle
         "failed": sum(reasons.values()),
         "infeasible": sum(int(np.sum(~record.feasible & ~record.failed)) for record in records),
         "reasons": [{"reason": reason, "count": count} for reason, count in reasons.most_common(REASONS_LISTED)],
-        "evaluation_seconds": _median([record.durations for record in records]),
-        "overhead_seconds": _median([record.overheads for record in records]),
+        "evaluation_seconds": _mean([record.durations for record in records]),
+        "overhead_seconds": _mean([record.overheads for record in records]),
     }
 
 
-def _median(columns: Sequence[FloatArray]) -> float | None:
+def _mean(columns: Sequence[FloatArray]) -> float | None:
+    """The mean of all values: most evaluations of a strategy may cost it nothing, and a few much."""
     values = np.concatenate([np.empty(0), *columns])
-    return float(np.median(values)) if values.size else None
+    return float(np.mean(values)) if values.size else None
 
 
 def _seeds(results: CampaignResults) -> list[dict[str, Any]]:
@@ -169,6 +172,23 @@ def _notes_of_problem(campaign: Campaign, entry: Mapping[str, Any]) -> list[str]
         )
     if left_out and entry["compared"]:
         notes.append(f"On {label}, {listed(left_out)} is left out of the comparison: without a complete run so far.")
+    notes += [f"On {label}, {note}" for note in _limits_met(campaign, planned)]
     if entry["not_applicable"]:
         notes.append(f"On {label}, {listed(entry['not_applicable'])} is not applicable and was skipped.")
     return notes
+
+
+def _limits_met(campaign: Campaign, cells: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Time limits at which evaluations failed although the campaign has another one by now."""
+    counts: Counter[float] = Counter()
+    for cell in cells:
+        for row in cell["reasons"]:
+            if limit := TIME_LIMIT.match(row["reason"]):
+                counts[float(limit[1])] += row["count"]
+    return [
+        f"{count} evaluations failed at a time limit of {limit:g} s; the campaign now has "
+        f"{'none' if campaign.timeout is None else f'{campaign.timeout:g} s'}, so that its runs are not all alike. "
+        "A campaign of another name makes them again."
+        for limit, count in sorted(counts.items())
+        if limit != campaign.timeout
+    ]

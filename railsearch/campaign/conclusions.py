@@ -107,7 +107,7 @@ def _unproven(entry: Entry) -> str:
     tests = entry["pairwise"]
     if tests["smallest_adjusted"] >= tests["level"]:
         runs = len(entry["repetitions"])
-        return f"but {runs} repetitions are too few to show any difference, {_enough(len(tests['strategies']))} ({TEST})"
+        return f"but {runs} repetitions are too few to show any difference: {_enough(len(tests['strategies']))} ({TEST})"
     return f"but is not significantly better than any other ({TEST})"
 
 

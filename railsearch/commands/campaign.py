@@ -1,5 +1,6 @@
 """Commands around a campaign: campaign, report, export."""
 
+import signal
 import sys
 from collections.abc import Mapping, Sequence
 from contextlib import closing
@@ -199,6 +200,8 @@ def _carried_out(prepared: _Prepared, url: str, dask: str | None, workers: int, 
         campaign_progress(prepared.problems, prepared.tasks, before) as watcher,
     ):
         coordinator = Coordinator(store, unfinished, prepared.campaign.timeout, batch_workers, watcher)
+        # A batch system ends a job with SIGTERM: it is answered like Ctrl-C.
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
         try:
             coordinator.carry_out(places)
         except KeyboardInterrupt:

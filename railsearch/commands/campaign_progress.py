@@ -1,10 +1,12 @@
 """The live progress of a campaign: evaluations, complete cells, failures, the last result, time left."""
 
 import threading
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
+from rich.table import Column
 
 from railsearch.campaign.coordinator import CellTask, Watcher
 from railsearch.campaign.tasks import TaskProgress
@@ -15,6 +17,7 @@ from railsearch.interfaces import Evaluation
 from railsearch.run import front
 
 SPEED_OVER = 600.0
+LOG_EVERY = 60.0
 
 
 @contextmanager
@@ -25,13 +28,16 @@ def campaign_progress(
     columns = (
         BarColumn(bar_width=10),
         MofNCompleteColumn(),
-        TextColumn(
-            "evaluations, {task.fields[cells]} of {task.fields[planned]} cells{task.fields[failed]}{task.fields[last]},"
-        ),
+        TextColumn("evaluations, {task.fields[cells]} of {task.fields[planned]} cells{task.fields[failed]},"),
         TimeRemainingColumn(),
         TextColumn("left"),
+        # What a narrow terminal has no room for is the end of this column.
+        TextColumn("{task.fields[last]}", table_column=Column(ratio=1, no_wrap=True, overflow="ellipsis")),
     )
-    with Progress(*columns, console=messages, speed_estimate_period=SPEED_OVER) as progress:
+    visible = messages.is_terminal
+    with Progress(
+        *columns, console=messages, speed_estimate_period=SPEED_OVER, expand=True, disable=not visible
+    ) as progress:
         bar = progress.add_task(
             "campaign",
             total=sum(task.evaluations for task in tasks),
@@ -55,6 +61,7 @@ class _Shown:
         self._cells = before.complete
         self._done = dict(before.stored)
         self._failed = 0
+        self._told = time.monotonic()
         self._lock = threading.Lock()
 
     def evaluation(self, task: CellTask, evaluation: Evaluation) -> None:
@@ -64,6 +71,7 @@ class _Shown:
             self._failed += evaluation.failed
             failed = f", {self._failed} failed" if self._failed else ""
             self._progress.update(self._bar, advance=1, failed=failed)
+            self._tell_log()
 
     def complete(self, task: CellTask, evaluations: Sequence[Evaluation]) -> None:
         """One more complete cell; what other processes evaluated of it counts now."""
@@ -72,5 +80,18 @@ class _Shown:
             elsewhere = len(evaluations) - self._done[task.cell]
             problem, cell = self._problems[task.cell.problem], task.cell
             best = best_so_far(problem, front(evaluations))
-            last = f"; last {cell.strategy} on {cell.problem}: {best}"
+            last = f"last {cell.strategy} on {cell.problem}: {best}"
             self._progress.update(self._bar, advance=elsewhere, cells=self._cells, last=last)
+
+    def _tell_log(self) -> None:
+        """Where there is no terminal, a line from time to time takes the place of the bar."""
+        now = time.monotonic()
+        if self._progress.console.is_terminal or now - self._told < LOG_EVERY:
+            return
+        self._told = now
+        (bar,) = self._progress.tasks
+        left = "" if bar.time_remaining is None else f", about {bar.time_remaining / 60.0:.0f} min left"
+        self._progress.console.print(
+            f"{bar.completed:.0f} of {bar.total:.0f} evaluations, {self._cells} of {bar.fields['planned']} cells"
+            f"{bar.fields['failed']}{left}"
+        )

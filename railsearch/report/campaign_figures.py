@@ -123,7 +123,8 @@ def attainment_figure(entry: Entry, places: Mapping[str, int]) -> Figure:
             if corners:
                 _surface(axes, strategy, places[strategy], kind, signs, np.array(corners))
     axes.set(**dict(zip(("xlabel", "ylabel"), map(labelled, objectives), strict=True)))
-    axes.legend(frameon=False, fontsize=9)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(frameon=False, fontsize=9)
     figure.set_label(
         "Attainment surfaces: what half of the repetitions reach or better (thick), a quarter and three quarters (thin)."
     )

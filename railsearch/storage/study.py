@@ -31,6 +31,7 @@ from railsearch.storage.writer import can_write, write_trial
 
 IDENTITY = "railsearch"
 OPENING_SECONDS = 5.0
+SHOWN = 60
 OWN_ATTRIBUTES = ("evaluation", "origin", "trajectory", "reason", "duration [s]", "overhead [s]")
 
 
@@ -246,9 +247,26 @@ def identity_differences(stored: Mapping[str, Any], wanted: Mapping[str, Any], p
         old, new = stored.get(key), wanted.get(key)
         if isinstance(old, Mapping) and isinstance(new, Mapping):
             rows += identity_differences(old, new, f"{prefix}{key}.")
+        elif isinstance(old, list) and isinstance(new, list) and _long(old, new):
+            rows += _list_differences(old, new, f"{prefix}{key}")
         elif old != new:
             rows.append(f"{prefix}{key}: there {_short(old)}, here {_short(new)}")
     return rows
+
+
+def _long(old: list[Any], new: list[Any]) -> bool:
+    """Whether two different lists cannot be shown side by side."""
+    return old != new and max(len(json.dumps(old)), len(json.dumps(new))) > SHOWN
+
+
+def _list_differences(old: list[Any], new: list[Any], name: str) -> list[str]:
+    """What differs between two long lists: their lengths, or the first entry that is another."""
+    if len(old) != len(new):
+        added = [entry for entry in new if entry not in old]
+        shown = f", new is {_short(added[0])}" if added else ""
+        return [f"{name}: there {len(old)} entries, here {len(new)}{shown}"]
+    place = next(place for place, (one, other) in enumerate(zip(old, new, strict=True)) if one != other)
+    return identity_differences({f"{name}[{place + 1}]": old[place]}, {f"{name}[{place + 1}]": new[place]})
 
 
 def plain(identity: Mapping[str, Any]) -> dict[str, Any]:
@@ -305,4 +323,4 @@ def _number(value: float | None) -> float:
 
 def _short(value: object) -> str:
     text = json.dumps(value, ensure_ascii=False)
-    return text if len(text) <= 60 else text[:57] + "…"
+    return text if len(text) <= SHOWN else text[: SHOWN - 3] + "…"

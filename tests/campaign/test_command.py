@@ -32,7 +32,7 @@ def test_a_dry_run_shows_cells_and_cost_and_leaves_nothing_behind(railsearch: Cl
     trial = Trial(tmp_path / "trial", seconds=0.01)
     answer = railsearch("campaign", trial.file(), "--dry-run", "--workers", 2, "--out", tmp_path / "out")
     assert answer.code == 0, answer.err
-    assert re.search(r"journalled +dycors, random +4 +100 +0\.01", answer.out)
+    assert re.search(r"journalled +dycors +2 +0 +50 +0\.01", answer.out)
     assert "4 cells of 25 evaluations, 0 complete and 0 evaluations recorded" in answer.out
     assert len(trial.calls) == 1
     assert not (tmp_path / "out").exists()
@@ -114,11 +114,12 @@ def test_a_campaign_killed_at_any_moment_goes_on_to_the_same_end(tmp_path: Path,
     assert killed.evaluations <= len(killed.calls) <= killed.evaluations + 2
 
 
-def test_ctrl_c_finishes_what_is_under_way_and_says_how_to_go_on(tmp_path: Path) -> None:
+@pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_finishes_what_is_under_way_and_says_how_to_go_on(tmp_path: Path, sign: signal.Signals) -> None:
     trial = Trial(tmp_path, seconds=0.3, repetitions=5)
     process = command("campaign", trial.file(), "--workers", 2, "--out", trial.folder)
     wait_until(lambda: len(trial.calls) >= 6)
-    process.send_signal(signal.SIGINT)
+    process.send_signal(sign)
     begun = len(trial.calls)
     _, err = process.communicate(timeout=60)
     assert len(trial.calls) <= begun + 4
@@ -181,7 +182,7 @@ reference_point = { left = 50.0, right = 50.0 }
     answer = railsearch("campaign", file, "--out", tmp_path / "out", "--skip-incapable", "--dry-run")
     assert answer.code == 0, answer.err
     assert "left out: lmsrs on two-spheres" in answer.err
-    assert re.search(r"two-spheres +nsga2, random +2 +40 ", answer.out)
+    assert re.search(r"two-spheres +nsga2 +1 +0 +20 ", answer.out)
 
 
 def test_a_cell_that_fails_is_told_at_the_end_and_the_report_is_made(railsearch: Cli, tmp_path: Path) -> None:

@@ -43,4 +43,18 @@ def test_evaluations_of_this_and_of_other_processes_are_counted_once(
         assert bar.completed == 25
         watcher.complete(second, evaluations)
         assert (bar.completed, bar.fields["cells"]) == (50, 2)
-        assert bar.fields["last"].startswith("; last random on journalled: distance")
+        assert bar.fields["last"].startswith("last random on journalled: distance")
+
+
+def test_without_a_terminal_a_line_from_time_to_time_tells_the_progress(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(module, "LOG_EVERY", -1.0)
+    registry, campaign = load_plugins(), Trial(tmp_path, repetitions=1).campaign()
+    problems = make_problems(registry, campaign)
+    tasks = cell_tasks(registry, campaign, problems, campaign.cells(), "")
+    with module.campaign_progress(problems, tasks, recorded(tasks, {})) as watcher:
+        for number in range(3):
+            watcher.evaluation(tasks[0], sphere_evaluation(number))
+    lines = capsys.readouterr().err.splitlines()
+    assert lines[-1].startswith("3 of 50 evaluations, 0 of 2 cells, about 0 min left")
