@@ -25,8 +25,8 @@ Pictures = Mapping[str, Mapping[str, "Figure"]]
 OVERVIEW_KEY = (
     "Median of the best value at the end of the budget, quartiles beneath. <b>Bold ★</b>: the best median on a problem; "
     "≈: not significantly different from it; without a mark: significantly worse, or not tested. <b>Best rank in</b>: in "
-    "how many of the random resamples of the repetitions the strategy has the best mean rank over the problems. Marks compare "
-    "within one problem, ranks over all of them: one may show a difference that the other has too little data for."
+    "how many of the random resamples of the repetitions the strategy has the best mean rank over the problems. Marks "
+    "compare within one problem, ranks over all of them: one may show a difference that the other has too little data for."
 )
 PAIRWISE_KEY = (
     "Probability that the row's strategy ends better than the column's (Vargha and Delaney's A12; 0.5: no tendency), and "
