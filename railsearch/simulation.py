@@ -1,19 +1,16 @@
 """Carry out the expensive part of evaluations: here, or in processes of their own, several at a time or time-limited."""
 
-import multiprocessing
-import os
 import pickle
 import queue
-import signal
 import threading
 import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
-from multiprocessing.process import BaseProcess
 from typing import Protocol
 
+from railsearch.child_process import ChildProcess, live_with_parent, start_child
 from railsearch.design_problem import DesignProblem
 from railsearch.errors import InputError
 from railsearch.interfaces import Outcome
@@ -75,8 +72,7 @@ class SeparateProcess:
     def __init__(self, problem: DesignProblem, timeout: float | None = None) -> None:
         self._problem = problem
         self._timeout = timeout
-        self._process: BaseProcess | None = None
-        self._connection: Connection | None = None
+        self._child: ChildProcess | None = None
         self._closing = threading.Lock()
 
     def warm_up(self) -> None:
@@ -85,47 +81,41 @@ class SeparateProcess:
 
     def simulate(self, design: FloatArray) -> Simulated:
         """Simulate a design (d,); there is no outcome after an exception, the time limit, or the death of the process."""
-        if self._process is not None and not self._process.is_alive():
+        if self._child is not None and not self._child.process.is_alive():
             self.close()
-        connection, process = self._started()
+        child = self._started()
         start = time.perf_counter()
-        connection.send(design)
-        received = self._received(connection, process, self._timeout)
+        child.connection.send(design)
+        received = self._received(child, self._timeout)
         return received if isinstance(received, Simulated) else Simulated(str(received), time.perf_counter() - start)
 
     def close(self) -> None:
         """Kill the process, if there is one; also while another thread waits for it."""
         with self._closing:
-            process, connection = self._process, self._connection
-            self._process = self._connection = None
-        if process is not None and connection is not None:
-            process.kill()
-            process.join()
-            connection.close()
+            child, self._child = self._child, None
+        if child is not None:
+            child.end()
 
-    def _started(self) -> tuple[Connection, BaseProcess]:
-        if self._process is None or self._connection is None:
-            context = multiprocessing.get_context("spawn")
-            self._connection, theirs = context.Pipe()
-            self._process = context.Process(target=_serve, args=(theirs, self._problem), daemon=True)
-            _start(self._process)
-            theirs.close()
-            ready = self._received(self._connection, self._process, START_SECONDS)
-            if isinstance(ready, str) or self._process is None:
+    def _started(self) -> ChildProcess:
+        child = self._child
+        if child is None:
+            child = self._child = _start(self._problem)
+            ready = self._received(child, START_SECONDS)
+            if isinstance(ready, str):
                 raise InputError(f"the process that simulates cannot be started: {ready}")
-        return self._connection, self._process
+        return child
 
-    def _received(self, connection: Connection, process: BaseProcess, seconds: float | None) -> Simulated | str | None:
+    def _received(self, child: ChildProcess, seconds: float | None) -> Simulated | str | None:
         """What the process sends, None when it is ready; or why nothing came."""
-        if not wait([connection, process.sentinel], timeout=seconds):
+        if not wait([child.connection, child.process.sentinel], timeout=seconds):
             self.close()
             return f"time limit of {seconds:g} s exceeded"
         try:
-            received: Simulated | None = connection.recv()
+            received: Simulated | None = child.connection.recv()
         except (EOFError, OSError):
-            process.join()
+            child.process.join()
             self.close()
-            return f"the simulating process died (exit code {process.exitcode})"
+            return f"the simulating process died (exit code {child.process.exitcode})"
         return received
 
 
@@ -183,10 +173,9 @@ def _by_free_member(free: "queue.SimpleQueue[Simulator]", design: FloatArray) ->
         free.put(member)
 
 
-def _start(process: BaseProcess) -> None:
-    multiprocessing.current_process().daemon = False  # a daemonic worker process may otherwise have no children
+def _start(problem: DesignProblem) -> ChildProcess:
     try:
-        process.start()
+        return start_child(_serve, [problem], daemon=True)
     except (AttributeError, TypeError, pickle.PicklingError) as error:
         raise InputError(
             f"timeout, workers: the problem cannot travel to a process of its own ({error}); define its classes "
@@ -195,8 +184,7 @@ def _start(process: BaseProcess) -> None:
 
 
 def _serve(connection: Connection, problem: DesignProblem) -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=end_with_parent, daemon=True).start()
+    live_with_parent()
     problem.warm_up()
     connection.send(None)
     worker = InProcess(problem)
@@ -206,11 +194,3 @@ def _serve(connection: Connection, problem: DesignProblem) -> None:
         except EOFError:
             return
         connection.send(worker.simulate(design))
-
-
-def end_with_parent() -> None:
-    """Wait for the end of the process that started this one, then end this one: for a thread of a worker process."""
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)

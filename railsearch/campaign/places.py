@@ -1,16 +1,13 @@
 """Places where the runs of cells are carried out: this process, or processes of this machine."""
 
-import multiprocessing
-import signal
 import threading
 from collections.abc import Sequence
 from multiprocessing.connection import Connection
-from multiprocessing.process import BaseProcess
 from typing import Protocol
 
 from railsearch.campaign.cell_run import LiveRuns, Request, Step, advance
+from railsearch.child_process import ChildProcess, live_with_parent, start_child
 from railsearch.plugin_manager import Registry
-from railsearch.simulation import end_with_parent
 
 
 class PlaceLost(Exception):
@@ -63,8 +60,7 @@ class Worker:
 
     def __init__(self, name: str) -> None:
         self.name = name
-        self._process: BaseProcess | None = None
-        self._connection: Connection | None = None
+        self._child: ChildProcess | None = None
         self._closed = False
         self._starting = threading.Lock()
 
@@ -89,23 +85,16 @@ class Worker:
         with self._starting:
             if self._closed:
                 raise PlaceLost(f"{self.name} is closed")
-            if self._connection is None:
-                context = multiprocessing.get_context("spawn")
-                self._connection, theirs = context.Pipe()
+            if self._child is None:
                 # Not daemonic: it may have processes of its own for time limits and batches.
-                self._process = context.Process(target=_serve, args=(theirs,), name=self.name)
-                self._process.start()
-                theirs.close()
-            return self._connection
+                self._child = start_child(_serve, [], daemon=False)
+            return self._child.connection
 
     def _end(self) -> None:
         with self._starting:
-            process, connection = self._process, self._connection
-            self._process = self._connection = None
-        if process is not None and connection is not None:
-            process.kill()
-            process.join()
-            connection.close()
+            child, self._child = self._child, None
+        if child is not None:
+            child.end()
 
 
 class FixedPlaces:
@@ -132,8 +121,7 @@ def places_here(registry: Registry, workers: int) -> FixedPlaces:
 
 
 def _serve(connection: Connection) -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=end_with_parent, daemon=True).start()
+    live_with_parent()
     while True:
         try:
             request = connection.recv()
