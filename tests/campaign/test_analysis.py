@@ -442,3 +442,22 @@ def test_the_same_results_give_the_same_strict_json() -> None:
     texts = [json.dumps(campaign_document(results), allow_nan=False) for _ in range(2)]
     assert texts[0] == texts[1]
     assert json.loads(texts[0])["seeds"][0]["seed"] == results.records[Cell("p", "a", 1)].identity["seed"]
+
+
+def test_evaluations_that_failed_at_another_time_limit_are_noted() -> None:
+    problem = Sphere()
+    reasons = ["", "time limit of 0.1 s exceeded", "time limit of 0.1 s exceeded", "time limit of 5 s exceeded"]
+    record = record_of(problem, [4.0, math.nan, math.nan, math.nan], reasons)
+    campaign = replace(campaign_of({"p": problem}, ["a"], 1, 4), timeout=5.0)
+    notes = campaign_document(CampaignResults(campaign, {"p": problem}, {Cell("p", "a", 1): record}))["notes"]
+    (note,) = [text for text in notes if "time limit" in text]
+    assert "On p, 2 evaluations failed at a time limit of 0.1 s; the campaign now has 5 s" in note
+
+
+def test_what_a_strategy_costs_is_its_mean() -> None:
+    """Most evaluations of a generation cost nothing, and one costs all."""
+    problem = Sphere()
+    record = replace(record_of(problem, [4.0, 3.0, 2.0, 1.0]), overheads=np.array([0.0, 0.0, 0.0, 0.4]))
+    results = CampaignResults(campaign_of({"p": problem}, ["a"], 1, 4), {"p": problem}, {Cell("p", "a", 1): record})
+    (cell,) = only(results)["cells"]
+    assert cell["overhead_seconds"] == pytest.approx(0.1)
