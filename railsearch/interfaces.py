@@ -113,6 +113,16 @@ class Surrogate(Protocol):
         """Derivatives (k, d) of the prediction at points (k, d)."""
 
 
+class UncertainSurrogate(Surrogate, Protocol):
+    """A surrogate that says how far it may be off; expected improvement needs one."""
+
+    def deviation(self, points: FloatArray) -> FloatArray:
+        """Standard deviations (k,) of the prediction at points (k, d), in the unit of the values."""
+
+    def deviation_gradient(self, points: FloatArray) -> FloatArray:
+        """Derivatives (k, d) of the standard deviation at points (k, d)."""
+
+
 @dataclass(frozen=True)
 class SearchContext:
     """All that a strategy is given. `budget` counts every evaluation of the run, the given designs included.
