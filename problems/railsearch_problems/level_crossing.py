@@ -1,6 +1,6 @@
 """Design problem A: the transition zones of a level crossing, tuned for wheel-rail force and ballast damage.
 
-Source: Shang, Nogal, Teixeira & Wolfert, Engineering Structures 282 (2023) 115740.
+Source, of the reference design too: Shang, Nogal, Teixeira & Wolfert, Engineering Structures 282 (2023) 115740.
 
 | symbol | meaning | unit |
 |---|---|---|
@@ -24,31 +24,25 @@ from railsearch.errors import InputError
 from railsearch.hookspecs import hookimpl
 from railsearch.interfaces import Host, Outcome, Quantity, TrackModel
 from railsearch.parameters import parameter
-from railsearch.space import FloatArray, Space, Variable
+from railsearch.space import FloatArray
+from railsearch_problems.crossing_designs import (
+    MEGA,
+    PUBLISHED,
+    TRACK_MODEL,
+    PadBounds,
+    StrengthenedBounds,
+    bounded_space,
+    check_corners,
+    chosen_objectives,
+    three_pads,
+    whole_steps,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-TRACK_MODEL = "level-crossing"
-TENTHS = 10.0
-MEGA = 1e6
-PUBLISHED = "Shang et al. 2023"
-
-
-@dataclass(frozen=True)
-class PadBounds:
-    """Range of a pad stiffness."""
-
-    lower: float = parameter(50.0, unit="MN/m", meaning="softest railpad", source=PUBLISHED, above=0.0)
-    upper: float = parameter(1200.0, unit="MN/m", meaning="stiffest railpad", source=PUBLISHED, above=0.0)
-
-
-@dataclass(frozen=True)
-class StrengthenedBounds:
-    """Range of the number of strengthened sleepers."""
-
-    lower: int = parameter(0, meaning="fewest strengthened sleepers", source=PUBLISHED, minimum=0)
-    upper: int = parameter(20, meaning="most strengthened sleepers", source=PUBLISHED, minimum=1)
+STEPS_PER_METRE = 10.0
+PADS, STRENGTHENED = PadBounds(), StrengthenedBounds()
 
 
 @dataclass(frozen=True)
@@ -71,10 +65,10 @@ class StripBounds:
 class Bounds:
     """The ranges in which the search looks, by variable."""
 
-    xr1: PadBounds = PadBounds()
-    xr2: PadBounds = PadBounds()
-    xr3: PadBounds = PadBounds()
-    xn: StrengthenedBounds = StrengthenedBounds()
+    xr1: PadBounds = PADS
+    xr2: PadBounds = PADS
+    xr3: PadBounds = PADS
+    xn: StrengthenedBounds = STRENGTHENED
     xs1: DistanceBounds = DistanceBounds()
     xs2: DistanceBounds = DistanceBounds()
     xs3: DistanceBounds = DistanceBounds()
@@ -120,7 +114,7 @@ class LevelCrossingProblem(DesignProblem):
         bounds = bounds or Bounds()
         super().__init__(
             name="level-crossing",
-            space=_space(bounds),
+            space=bounded_space(bounds, MEANINGS),
             objectives=chosen_objectives(self.available_objectives, objectives or self.default_objectives),
             metrics=(*self.available_objectives, Quantity("A_max", "m/s²", "maximum minus minimum carbody acceleration")),
             reference=_design_of(track.zone),
@@ -144,11 +138,7 @@ class LevelCrossingProblem(DesignProblem):
     def check(self) -> None:
         """Raise InputError if the reference design, or the one at all lower or all upper bounds, cannot be built."""
         self.model.check(self.track)
-        for bound, design in (("lower", self.space.lower), ("upper", self.space.upper)):
-            try:
-                self.model.check(self.parameters(design))
-            except InputError as error:
-                raise InputError(f"variables: at the {bound} bounds {error}") from None
+        check_corners(self.model, self.space, self.parameters)
 
     def warm_up(self) -> None:
         """Warm the track model up."""
@@ -161,8 +151,8 @@ class LevelCrossingProblem(DesignProblem):
             self.track.zone,
             pad_stiffness=tuple(float(pad * MEGA) for pad in pads),
             strengthened_sleepers=int(strengthened),
-            sleeper_distances=tuple(float(distance / TENTHS) for distance in distances),
-            type_2_strip_length=float(strip / TENTHS),
+            sleeper_distances=tuple(float(distance / STEPS_PER_METRE) for distance in distances),
+            type_2_strip_length=float(strip / STEPS_PER_METRE),
         )
         return dataclasses.replace(self.track, zone=zone)
 
@@ -182,38 +172,13 @@ class LevelCrossingProblem(DesignProblem):
         return crossing_figures(self.model, parameters)
 
 
-def chosen_objectives(available: Sequence[Quantity], names: Sequence[str]) -> list[Quantity]:
-    """The quantities of these names. Raises InputError for an unknown or repeated name."""
-    known = {quantity.name: quantity for quantity in available}
-    for name in names:
-        if name not in known:
-            raise InputError(f"objectives: unknown '{name}'; there are {', '.join(known)}")
-    if len(set(names)) != len(names):
-        raise InputError(f"objectives: each may be named once, received {', '.join(names)}")
-    return [known[name] for name in names]
-
-
-def _space(bounds: Bounds) -> Space:
-    return Space(
-        tuple(
-            Variable(name, getattr(bounds, name).lower, getattr(bounds, name).upper, unit, integer, meaning)
-            for name, (unit, integer, meaning) in MEANINGS.items()
-        )
-    )
-
-
 def _design_of(zone: Any) -> FloatArray:
     """The design (8,) that a zone is. Raises InputError if it is not one of this problem's designs."""
-    if len(zone.pad_stiffness) != 3 or len(zone.sleeper_distances) != 3:
-        raise InputError("track.zone: this problem needs three pad stiffnesses and three sleeper distances")
-    lengths = np.array([*zone.sleeper_distances, zone.type_2_strip_length]) * TENTHS
-    if np.any(np.abs(lengths - np.round(lengths)) > 1e-6):
-        raise InputError(
-            f"track.zone: sleeper distances and strip length are whole multiples of 0.1 m in this problem, "
-            f"received {zone.sleeper_distances} m and {zone.type_2_strip_length} m"
-        )
-    pads = np.array(zone.pad_stiffness) / MEGA
-    return np.array([*pads, zone.strengthened_sleepers, *np.round(lengths)], dtype=float)
+    pads = three_pads(zone)
+    distances, strip = whole_steps(zone, STEPS_PER_METRE)
+    if distances.size != 3:
+        raise InputError(f"track.zone.sleeper_distances: this problem needs three, received {distances.size}")
+    return np.array([*pads, zone.strengthened_sleepers, *distances, strip], dtype=float)
 
 
 @hookimpl

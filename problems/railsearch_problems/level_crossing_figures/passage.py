@@ -3,7 +3,6 @@
 | symbol | meaning | shape | unit |
 |---|---|---|---|
 | x | position of the wheel from the first interface, positive in running direction | (t,) | m |
-| F | wheel-rail force | (t,) | kN |
 | x_i | position of sleeper i from the first interface | (s,) | m |
 | E_i | energy dissipated in the ballast damper under sleeper i | (s,) | N·m |
 """
@@ -54,11 +53,6 @@ class Passage:
     def wheel_position(self) -> FloatArray:
         """x (t,)."""
         return self._from_interface("wheel_position")
-
-    @property
-    def force(self) -> FloatArray:
-        """F (t,)."""
-        return np.asarray(self.response.histories["wheel_rail_force"]) / KILO
 
     @property
     def sleeper_position(self) -> FloatArray:

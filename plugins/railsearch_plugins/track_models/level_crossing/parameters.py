@@ -1,8 +1,9 @@
 """Physical data of a level crossing for one rail (half track), with unit and source per field.
 
-Shang et al. 2023 = Shang, Nogal, Teixeira & Wolfert, Engineering Structures 282 (2023) 115740. Its printed values are for
-the full track. Here the rail (one rail) and the railpads (per rail seat) are as printed and everything else is halved;
-`railpad.reading = "full-track"` halves the pads too.
+Shang et al. 2023 = Shang, Nogal, Teixeira & Wolfert, Engineering Structures 282 (2023) 115740, from which the defaults
+are; those of another design problem are in its module. Printed values are for the full track. Here the rail (one rail)
+and the railpads (per rail seat) are as printed and everything else is halved; `railpad.reading = "full-track"` halves
+the pads too.
 """
 
 import math
@@ -12,7 +13,7 @@ from railsearch.parameters import parameter
 
 PRINTED = "Shang et al. 2023"
 HALVED = "Shang et al. 2023, halved"
-DESIGN = "Shang et al. 2023, reference design"
+DESIGN = "reference design of the problem"
 
 
 @dataclass(frozen=True)
