@@ -26,6 +26,11 @@ class Quantity:
     meaning: str = ""
     maximised: bool = False
 
+    @property
+    def sign(self) -> float:
+        """What a natural value is multiplied by to be minimised, and a stored one to be shown."""
+        return -1.0 if self.maximised else 1.0
+
 
 @dataclass(frozen=True)
 class Capabilities:
@@ -177,7 +182,11 @@ class TrackModel(Protocol):
 
 
 class Scalariser(Protocol):
-    """Many objectives into one. Made as `cls(parameters, objectives, worst)`, worst: {objective: worst known value}."""
+    """Many objectives into one. Made as `cls(parameters, objectives, worst)`, worst: {objective: worst known value}.
+
+    Values in `parameters` and `values` have their natural sign; `worst` and arrays are as minimised. One that goes by
+    preference functions has an attribute `preferences` with them (see railsearch.preferences), for tables and figures.
+    """
 
     Parameters: type
 

@@ -36,7 +36,7 @@ class Description:
 
 
 def parameter(
-    default: Any,
+    default: Any = dataclasses.MISSING,
     *,
     meaning: str,
     unit: str = "",
@@ -47,7 +47,7 @@ def parameter(
     below: float | None = None,
     choices: Sequence[object] = (),
 ) -> Any:
-    """A dataclass field with its unit, meaning, source and allowed range.
+    """A dataclass field with its unit, meaning, source and allowed range; without a default it must be given.
 
     `minimum` and `maximum` are allowed themselves, `above` and `below` are not; `choices` lists the allowed strings.
     The range holds for every number of a sequence. A frozen dataclass may stand as the default of a nested group.
@@ -68,21 +68,21 @@ def parameter(
 def make_parameters(cls: type[P], values: Mapping[str, object], where: str) -> P:
     """Build the frozen dataclass `cls` from (nested) `values`; `where` names their origin in messages.
 
-    Raises InputError for unknown names, wrong types, NaN or infinity, and values outside the allowed range, all at once.
+    Raises InputError for unknown and missing names, wrong types, NaN or infinity, and values outside the allowed range, all
+    at once.
     """
-    return amend_parameters(cls(), values, where)
+    missing = [field.name for field in _settable(cls) if _required(field) and field.name not in values]
+    faults = [f"{where}: {', '.join(missing)} must be given"] if missing else []
+    checked = _checked_values(cls, values, where, faults)
+    try:
+        return cls(**checked)
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from None
 
 
 def amend_parameters(start: P, values: Mapping[str, object], where: str) -> P:
     """Replace fields of the frozen dataclass `start` by (nested) `values`, checked as in `make_parameters`."""
-    changes, faults = {}, []
-    for name, value in values.items():
-        try:
-            changes[name] = _amended_field(start, name, value, where)
-        except InputError as error:
-            faults.append(str(error))
-    if faults:
-        raise InputError("; ".join(faults))
+    changes = _checked_values(start, values, where, [])
     try:
         return dataclasses.replace(start, **changes)  # type: ignore[type-var]
     except InputError as error:
@@ -104,10 +104,9 @@ def describe_parameters(start: object, prefix: str = "") -> Iterator[Description
 
 def allowed_values(meta: Mapping[str, Any]) -> str:
     """The allowed range of a field in words; empty when everything finite is allowed."""
-    if meta.get("choices"):
-        return " or ".join(repr(choice) for choice in meta["choices"])
     signs = (("minimum", "≥"), ("above", ">"), ("maximum", "≤"), ("below", "<"))
-    return " and ".join(f"{sign} {meta[key]:g}" for key, sign in signs if meta.get(key) is not None)
+    bounds = " and ".join(f"{sign} {meta[key]:g}" for key, sign in signs if meta.get(key) is not None)
+    return " or ".join([*map(repr, meta.get("choices") or ()), *filter(None, [bounds])])
 
 
 def nested(assignments: Mapping[str, object]) -> dict[str, Any]:
@@ -122,14 +121,37 @@ def nested(assignments: Mapping[str, object]) -> dict[str, Any]:
     return tree
 
 
-def _amended_field(start: object, name: str, value: object, where: str) -> object:
+def _settable(shape: object) -> list[dataclasses.Field[Any]]:
+    """The fields of a dataclass, or of an instance of one, that can be given."""
+    return [field for field in dataclasses.fields(shape) if field.init]  # type: ignore[arg-type]
+
+
+def _required(field: dataclasses.Field[Any]) -> bool:
+    return field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
+
+
+def _checked_values(shape: object, values: Mapping[str, object], where: str, faults: list[str]) -> dict[str, Any]:
+    """The values for fields of a dataclass or of an instance. Raises InputError with these faults and all that are found."""
+    checked = {}
+    for name, value in values.items():
+        try:
+            checked[name] = _amended_field(shape, name, value, where)
+        except InputError as error:
+            faults.append(str(error))
+    if faults:
+        raise InputError("; ".join(faults))
+    return checked
+
+
+def _amended_field(shape: object, name: str, value: object, where: str) -> object:
     """The new value of one field, checked."""
-    fields = {field.name: field for field in dataclasses.fields(start)}  # type: ignore[arg-type]
+    fields = {field.name: field for field in _settable(shape)}
     if name not in fields:
-        raise InputError(f"{where}: unknown parameter '{name}'{_did_you_mean(name, list(fields))}")
-    current, place = getattr(start, name), f"{where}.{name}"
+        raise InputError(f"{where}: unknown parameter '{name}'{did_you_mean(name, list(fields))}")
+    current, place = getattr(shape, name, None), f"{where}.{name}"
     if not dataclasses.is_dataclass(current):
-        return _checked(value, typing.get_type_hints(type(start))[name], fields[name].metadata, place)
+        cls = shape if isinstance(shape, type) else type(shape)
+        return _checked(value, typing.get_type_hints(cls)[name], fields[name].metadata, place)
     if not isinstance(value, Mapping):
         raise InputError(f"{place}: a table of parameters is needed, received {value!r}")
     return amend_parameters(cast(Any, current), value, place)
@@ -171,7 +193,8 @@ def _check_range(value: object, meta: Mapping[str, Any], place: str) -> None:
     for item in value if isinstance(value, tuple) else (value,):
         number = isinstance(item, float | int) and not isinstance(item, bool)
         if number and not math.isfinite(cast(float, item)):
-            raise InputError(f"{place}: a finite number is needed, received {item!r}")
+            other = "".join(f" or {choice!r}" for choice in meta.get("choices") or ())
+            raise InputError(f"{place}: a finite number{other} is needed, received {item!r}")
         if (number and not _inside(cast(float, item), meta)) or (
             isinstance(item, str) and meta.get("choices") and item not in meta["choices"]
         ):
@@ -196,6 +219,7 @@ def _in_words(kind: object) -> str:
     return names.get(cast(type, kind), "a table")
 
 
-def _did_you_mean(name: str, known: Sequence[str]) -> str:
+def did_you_mean(name: str, known: Sequence[str]) -> str:
+    """The end of a message about an unknown name: the closest known one, or all of them."""
     close = difflib.get_close_matches(name, known, n=1)
     return f"; did you mean '{close[0]}'?" if close else f"; allowed are {', '.join(known) or 'none'}"

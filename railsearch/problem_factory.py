@@ -1,6 +1,5 @@
 """Make registered problems, with a site's parameters and, if wanted, a scalariser."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, cast
@@ -8,6 +7,7 @@ from typing import Any, cast
 from railsearch.design_problem import DesignProblem, ScalarisedProblem
 from railsearch.errors import CapabilityError, InputError
 from railsearch.interfaces import Quantity, Scalariser
+from railsearch.objective_values import minimised, natural
 from railsearch.parameters import amend_parameters, make_parameters
 from railsearch.plugin_manager import Registry
 from railsearch.space import FloatArray
@@ -50,7 +50,7 @@ def make_problem(registry: Registry, settings: ProblemSettings, where: str = "pa
     plugin = registry.get("problem", settings.name)
     sections = checked_sections(registry, settings.name, settings.sections, where)
     base = cast(DesignProblem, plugin.make(registry, settings.objectives, sections))
-    base.worst.update(_checked_worst(base, settings.worst, f"{where}.worst"))
+    base.worst.update(minimised(settings.worst, _known_objectives(base), f"{where}.worst"))
     if settings.scalariser is None:
         return base
     scalariser = registry.get("scalariser", settings.scalariser)
@@ -85,19 +85,7 @@ def given_designs(problem: DesignProblem, given: Sequence[Mapping[str, Any]] = (
 
 def natural_worst(problem: DesignProblem) -> dict[str, float]:
     """The worst known values of a problem by objective, with their natural sign."""
-    signs = {quantity.name: -1.0 if quantity.maximised else 1.0 for quantity in _known_objectives(problem)}
-    return {name: signs[name] * value for name, value in problem.worst.items()}
-
-
-def _checked_worst(problem: DesignProblem, values: Mapping[str, Any], where: str) -> dict[str, float]:
-    """Worst values as they are minimised. Raises InputError for an unknown objective or anything but a finite number."""
-    signs = {quantity.name: -1.0 if quantity.maximised else 1.0 for quantity in _known_objectives(problem)}
-    for name, value in values.items():
-        if name not in signs:
-            raise InputError(f"{where}: unknown objective '{name}'; there are {', '.join(signs)}")
-        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-            raise InputError(f"{where}.{name}: a finite number is needed, received {value!r}")
-    return {name: signs[name] * float(value) for name, value in values.items()}
+    return natural(problem.worst, _known_objectives(problem))
 
 
 def _known_objectives(problem: DesignProblem) -> Sequence[Quantity]:

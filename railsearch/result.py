@@ -146,7 +146,7 @@ def plugins_used(registry: Registry, identity: Mapping[str, Any]) -> list[dict[s
 
 
 def _natural(quantity: Quantity, value: float) -> float:
-    return -value if quantity.maximised else value
+    return quantity.sign * value
 
 
 def _finite(value: float) -> float | None:

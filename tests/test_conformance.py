@@ -30,9 +30,21 @@ def test_surrogate(plugin):
     check_surrogate(plugin)
 
 
-@registered("scalariser")
-def test_scalariser(plugin):
-    check_scalariser(plugin)
+THREE = ("f1", "f2", "f3")
+IDEAL = {"ideal": dict.fromkeys(THREE, -2.0)}
+LINEAR = {"preferences": {name: {"function": "linear", "best": -2.0, "worst": 12.0} for name in THREE}}
+SCALARISER_SETTINGS = {
+    "weighted-sum": IDEAL,
+    "chebyshev": IDEAL,
+    "lp": IDEAL,
+    "preference-minmax": LINEAR,
+    "imap": LINEAR | {"stakeholders": {"user": {}, "owner": {"weight": 2.0, "weights": {"f1": 3.0}}}},
+}
+
+
+@pytest.mark.parametrize("entry", load_plugins().entries("scalariser"), ids=lambda entry: entry.name)
+def test_scalariser(entry):
+    check_scalariser(entry.plugin, SCALARISER_SETTINGS.get(entry.name))
 
 
 @registered("track-model")
@@ -254,6 +266,24 @@ class Divided(AchievementScalarisingFunction):
         return augmented_chebyshev(objectives, np.zeros(3), np.ones(3), 0.0) / np.array(0.0)
 
 
+class Unrecorded(AchievementScalarisingFunction):
+    @property
+    def values(self):
+        return {"worst": np.ones(3)}
+
+
+@dataclass(frozen=True)
+class Demanding:
+    rho: float = parameter(meaning="a value that has to be given")
+
+
+class Undescribed(AchievementScalarisingFunction):
+    Parameters = Demanding
+
+    def __init__(self, parameters, objectives, worst):
+        super().__init__(AchievementScalarisingFunction.Parameters(rho=parameters.rho), objectives, worst)
+
+
 class Shifting(AchievementScalarisingFunction):
     def __call__(self, objectives):
         objectives -= 1.0
@@ -265,6 +295,8 @@ class Shifting(AchievementScalarisingFunction):
     ("plugin", "explanation"),
     [
         (Unready, "not ready"),
+        (Unrecorded, "not plain"),
+        (Undescribed, "cannot be made without values"),
         (Sharing, "prepared the original too"),
         (Backwards, "does not get a lower scalar"),
         (Summed, "shape"),
@@ -275,7 +307,7 @@ class Shifting(AchievementScalarisingFunction):
 )
 def test_a_scalariser_at_fault_is_found(plugin, explanation):
     with pytest.raises(AssertionError, match=explanation):
-        check_scalariser(plugin)
+        check_scalariser(plugin, {"rho": 0.05})
 
 
 @dataclass(frozen=True)

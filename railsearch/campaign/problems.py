@@ -1,6 +1,5 @@
 """The problems of a campaign: from a table of its file, and the site file that it may name, to a checked problem."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +9,7 @@ from railsearch.campaign.cells import Campaign, CampaignProblem
 from railsearch.campaign.faults import Faults
 from railsearch.design_problem import DesignProblem, ScalarisedProblem
 from railsearch.errors import InputError
+from railsearch.objective_values import check_finite
 from railsearch.plugin_manager import Registry
 from railsearch.problem_factory import (
     ProblemSettings,
@@ -143,13 +143,9 @@ def _reference_point(problem: DesignProblem, asked: Mapping[str, Any]) -> dict[s
             f"reference_point: values of {', '.join(missing)} are needed that good designs do not exceed; hypervolume is "
             "measured from there, the same for all runs"
         )
-    return {name: _finite(point[name], f"reference_point.{name}") for name in names if asked}
-
-
-def _finite(value: object, field: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise InputError(f"{field}: a finite number is needed, received {value!r}")
-    return float(value)
+    for name in names:
+        check_finite(point[name], f"reference_point.{name}")
+    return {name: float(point[name]) for name in names if asked}
 
 
 def _check_first_designs(problem: DesignProblem, given: Sequence[Mapping[str, Any]], where: str, faults: Faults) -> None:

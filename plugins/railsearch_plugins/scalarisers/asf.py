@@ -1,6 +1,5 @@
 """Scalariser `asf`: the achievement scalarising function of the level-crossing study (Shang et al. 2023)."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -9,13 +8,14 @@ import numpy as np
 from railsearch.errors import InputError
 from railsearch.hookspecs import Register, hookimpl
 from railsearch.interfaces import Quantity, parameter
+from railsearch.objective_values import minimised, natural
 from railsearch.scalarise import augmented_chebyshev
 from railsearch.space import FloatArray
 
 
 @dataclass(frozen=True)
 class AchievementParameters:
-    """Aspirations, worst values and augmentation. The dictionaries go by objective name, in the units of the objectives."""
+    """Aspirations, worst values and augmentation. The dictionaries go by objective name, in its unit and with its sign."""
 
     aspiration_fraction: float = parameter(
         0.8,
@@ -46,14 +46,11 @@ class AchievementScalarisingFunction:
     def __init__(
         self, parameters: AchievementParameters, objectives: Sequence[Quantity], worst: Mapping[str, float]
     ) -> None:
-        names = tuple(objective.name for objective in objectives)
-        explicit, own_worst = parameters.aspiration or {}, parameters.worst or {}
-        _check_names("aspiration", explicit, names)
-        _check_names("worst", own_worst, names)
+        explicit = minimised(parameters.aspiration or {}, objectives, "asf.aspiration")
         self._parameters = parameters
-        self._names = names
-        self._worst = _worst_values(names, {**worst, **own_worst})
-        self._explicit = np.array([explicit.get(name, np.nan) for name in names])
+        self._objectives = tuple(objectives)
+        self._worst = _worst_values(objectives, {**worst, **minimised(parameters.worst or {}, objectives, "asf.worst")})
+        self._explicit = np.array([explicit.get(objective.name, np.nan) for objective in objectives])
         self._aspiration = self._checked(self._explicit)
 
     @property
@@ -63,13 +60,13 @@ class AchievementScalarisingFunction:
 
     @property
     def aspiration(self) -> Mapping[str, float]:
-        """The aspiration point by objective name; NaN where it is not known yet."""
-        return dict(zip(self._names, self._aspiration.tolist(), strict=True))
+        """The aspiration point by objective name, with its natural sign; NaN where it is not known yet."""
+        return self._by_name(self._aspiration)
 
     @property
     def worst(self) -> Mapping[str, float]:
-        """The worst values by objective name."""
-        return dict(zip(self._names, self._worst.tolist(), strict=True))
+        """The worst values by objective name, with their natural sign."""
+        return self._by_name(self._worst)
 
     @property
     def values(self) -> Mapping[str, object]:
@@ -90,31 +87,29 @@ class AchievementScalarisingFunction:
         return augmented_chebyshev(objectives, self._aspiration, self._worst, self._parameters.rho)
 
     def _checked(self, aspiration: FloatArray) -> FloatArray:
-        for name, wished, worst in zip(self._names, aspiration, self._worst, strict=True):
+        for objective, wished, worst in zip(self._objectives, aspiration, self._worst, strict=True):
             if wished >= worst:
+                side = "above" if objective.maximised else "below"
                 raise InputError(
-                    f"asf: the aspiration of {name} must lie below its worst value, received {wished:g} and {worst:g}; "
-                    f"set aspiration or worst for {name}"
+                    f"asf: the aspiration of {objective.name} must lie {side} its worst value, received "
+                    f"{objective.sign * wished:g} and {objective.sign * worst:g}; set aspiration or worst for "
+                    f"{objective.name}"
                 )
         return aspiration
 
-
-def _check_names(field: str, values: Mapping[str, float], names: Sequence[str]) -> None:
-    for name, value in values.items():
-        if name not in names:
-            raise InputError(f"asf.{field}: unknown objective '{name}'; the objectives are {', '.join(names)}")
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-            raise InputError(f"asf.{field}.{name}: a finite number is needed, received {value!r}")
+    def _by_name(self, values: FloatArray) -> dict[str, float]:
+        names = [objective.name for objective in self._objectives]
+        return natural(dict(zip(names, values.tolist(), strict=True)), self._objectives)
 
 
-def _worst_values(names: Sequence[str], worst: Mapping[str, float]) -> FloatArray:
-    missing = [name for name in names if name not in worst]
+def _worst_values(objectives: Sequence[Quantity], worst: Mapping[str, float]) -> FloatArray:
+    missing = [objective.name for objective in objectives if objective.name not in worst]
     if missing:
         raise InputError(
             f"asf: the worst value of {', '.join(missing)} is not known: sample it with `railsearch sample PROBLEM` and "
             "set it under worst"
         )
-    return np.array([worst[name] for name in names], dtype=float)
+    return np.array([worst[objective.name] for objective in objectives], dtype=float)
 
 
 @hookimpl
