@@ -42,9 +42,13 @@ def symmetric_latin_hypercube(n_points: int, dimension: int, generator: np.rando
 
 def random_designs(space: Space, n_points: int, generator: np.random.Generator) -> FloatArray:
     """Draw designs (n, d) in native units, uniform over the box; every value of an integer is equally likely."""
+    return designs_of_cells(space, generator.random((n_points, space.dimension)))
+
+
+def designs_of_cells(space: Space, points: FloatArray) -> FloatArray:
+    """Map points (n, d) of the unit cube to designs; every value of an integer has a cell of the same width."""
     margin = np.where(space.integer, 0.5, 0.0)
-    draws = generator.random((n_points, space.dimension))
-    return space.rounded(space.lower - margin + draws * (space.upper - space.lower + 2.0 * margin))
+    return space.rounded(space.lower - margin + points * (space.upper - space.lower + 2.0 * margin))
 
 
 def unseen_design(space: Space, seen: set[bytes], generator: np.random.Generator) -> FloatArray | None:

@@ -1,6 +1,8 @@
 """Randomness handed in: every generator of a run is spawned from recorded seeds."""
 
 import hashlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,3 +57,24 @@ def _derived(seed: int, *words: str | int) -> int:
     """A number below 2⁵³ (exact in any JSON reader) from the SHA-256 hash of a seed and words."""
     text = "\x1f".join(map(str, (seed, *words)))
     return int.from_bytes(hashlib.sha256(text.encode()).digest()[:8], "big") >> 11
+
+
+class LentGlobalGenerator:
+    """numpy's global generator, lent to a library that draws from it without asking for one.
+
+    Inside `lent` it has a state that follows from the seed and from what was drawn inside before; outside, nothing changes.
+    """
+
+    def __init__(self, seed: int) -> None:
+        self._state = np.random.RandomState(seed).get_state()
+
+    @contextmanager
+    def lent(self) -> Iterator[None]:
+        """The global generator in the state that belongs to the library."""
+        before = np.random.get_state()  # noqa: NPY002
+        np.random.set_state(self._state)  # noqa: NPY002
+        try:
+            yield
+        finally:
+            self._state = np.random.get_state()  # noqa: NPY002
+            np.random.set_state(before)  # noqa: NPY002

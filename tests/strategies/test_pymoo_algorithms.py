@@ -111,9 +111,9 @@ def test_given_designs_join_the_first_population(plugin, n_objectives):
 
     evaluations = run_trial(Kept, Trial(REAL, n_objectives, budget=13, given=3), {"population_size": 12})
     assert [e.origin for e in evaluations] == ["given"] * 3 + ["initial"] * 9 + ["offspring"]
-    members = {tuple(x) for x in strategies[0]._algorithm.pop.get("X")}
+    members = {tuple(x) for x in strategies[0]._generations.algorithm.pop.get("X")}
     assert members == {tuple(e.design) for e in evaluations[:12]}
-    assert strategies[0]._algorithm.evaluator.n_eval == 12
+    assert strategies[0]._generations.algorithm.evaluator.n_eval == 12
 
 
 @BOTH
@@ -127,7 +127,7 @@ def test_failed_evaluations_are_infeasible_with_the_worst_values(plugin, n_objec
 
     trial = Trial(REAL, n_objectives, budget=13, fails=lambda number: number in (2, 7))
     evaluations = run_trial(Kept, trial, {"population_size": 12})
-    population = strategies[0]._algorithm.pop
+    population = strategies[0]._generations.algorithm.pop
     by_design = {e.design.tobytes(): e for e in evaluations}
     worst = np.max([e.objectives for e in evaluations[:12] if not e.failed], axis=0)
     failed = [by_design[individual.X.tobytes()].failed for individual in population]

@@ -1,33 +1,28 @@
-"""Strategies `ga` and `nsga2`: pymoo's own algorithms behind ask and tell (Blank and Deb 2020; NSGA-II: Deb et al. 2002)."""
+"""Strategies `ga`, `nsga2`, `nsga3`, `de` and `pso`: pymoo's own algorithms behind ask and tell (Blank and Deb 2020)."""
 
-from collections.abc import Callable, Sequence
+import math
+import warnings
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 
 from railsearch.hookspecs import Register, hookimpl
-from railsearch.interfaces import Capabilities, Evaluation, Proposal, SearchContext, parameter
-from railsearch.sampling import initial_design, random_designs, unseen_design
-from railsearch.space import FloatArray, Space
+from railsearch.interfaces import Capabilities, SearchContext, parameter
+from railsearch.pymoo_generations import PymooStrategy, Rounding
+from railsearch.sampling import initial_design, random_designs
+from railsearch.space import FloatArray
 
-IDLE_GENERATIONS = 20
-"""Generations in a row without a single unseen design after which a random unseen one is proposed."""
-
-Build = Callable[["GeneticParameters", int, FloatArray, Any], Any]
-"""Makes a pymoo algorithm from its parameters, population size, first population (k, d) and rounding repair."""
+SIZE_MEANING = "designs per generation; if not given, a tenth of the budget, but 10 to 100"
+SIZE_SOURCE = "own choice: pymoo's 100 leave two generations of a budget of 200"
 
 
 @dataclass(frozen=True)
 class GeneticParameters:
     """What can be set of a genetic algorithm."""
 
-    population_size: int | None = parameter(
-        None,
-        meaning="designs per generation; if not given, a tenth of the budget, but 10 to 100",
-        source="own choice: pymoo's 100 leave two generations of a budget of 200",
-        minimum=2,
-    )
+    population_size: int | None = parameter(None, meaning=SIZE_MEANING, source=SIZE_SOURCE, minimum=2)
     crossover_probability: float = parameter(
         0.9,
         meaning="probability of simulated binary crossover of a pair",
@@ -50,193 +45,241 @@ class GeneticParameters:
     )
 
 
-class PymooStrategy:
-    """A generational pymoo algorithm asked and told design by design.
+@dataclass(frozen=True)
+class ReferenceDirectionParameters(GeneticParameters):
+    """What can be set of NSGA-III, whose crossover keeps children nearer to their parents and spares no pair."""
 
-    The designs told before the first ask join the first population; a design evaluated before is not proposed again. Failed
-    evaluations count as infeasible, with the worst values seen.
-    """
+    population_size: int | None = parameter(
+        None, meaning=SIZE_MEANING + "; as many reference directions as fit", source=SIZE_SOURCE, minimum=2
+    )
+    crossover_probability: float = parameter(
+        1.0,
+        meaning="probability of simulated binary crossover of a pair",
+        source="Deb and Jain 2014",
+        minimum=0.0,
+        maximum=1.0,
+    )
+    crossover_eta: float = parameter(
+        30.0,
+        meaning="distribution index of the crossover; large keeps children near their parents",
+        source="Deb and Jain 2014",
+        above=1.0,
+    )
 
-    def __init__(self, context: SearchContext, parameters: GeneticParameters, build: Build) -> None:
-        self._context = context
+
+@dataclass(frozen=True)
+class DifferentialEvolutionParameters:
+    """What can be set of differential evolution."""
+
+    population_size: int | None = parameter(None, meaning=SIZE_MEANING, source=SIZE_SOURCE, minimum=4)
+    base: str = parameter(
+        "best",
+        meaning="which vector the difference is added to: the best one, or a random one",
+        source="Storn and Price 1997; best: own choice, random ones need budgets of thousands",
+        choices=("best", "rand"),
+    )
+    differential_weight: float = parameter(
+        0.5, meaning="F, the factor of the difference of two vectors", source="Storn and Price 1997", above=0.0, maximum=2.0
+    )
+    crossover_rate: float = parameter(
+        0.9, meaning="CR, the probability that a coordinate changes", source="Storn and Price 1997", minimum=0.0, maximum=1.0
+    )
+
+
+@dataclass(frozen=True)
+class ParticleSwarmParameters:
+    """What can be set of a particle swarm; pymoo adapts inertia and accelerations on the way."""
+
+    population_size: int | None = parameter(None, meaning=SIZE_MEANING, source=SIZE_SOURCE, minimum=2)
+    inertia: float = parameter(
+        0.9, meaning="w, the share of its velocity that a particle keeps, at the start", source="pymoo 0.6", minimum=0.0
+    )
+    cognitive: float = parameter(
+        2.0, meaning="c₁, the pull of a particle's own best design, at the start", source="pymoo 0.6", minimum=0.0
+    )
+    social: float = parameter(2.0, meaning="c₂, the pull of the best design, at the start", source="pymoo 0.6", minimum=0.0)
+    largest_velocity: float = parameter(
+        0.2,
+        meaning="largest step in a coordinate",
+        unit="of the range",
+        source="pymoo 0.6",
+        above=0.0,
+        maximum=1.0,
+    )
+
+
+class PopulationParameters(Protocol):
+    """The one parameter that all of them have."""
+
+    @property
+    def population_size(self) -> int | None:
+        """Designs per generation."""
+
+
+P = TypeVar("P", bound=PopulationParameters)
+
+
+class PopulationStrategy(PymooStrategy, ABC, Generic[P]):
+    """A pymoo algorithm whose first population is what has been told, filled up with an initial design."""
+
+    def __init__(self, context: SearchContext, parameters: P) -> None:
+        super().__init__(context, self._make)
         self._parameters = parameters
-        self._build = build
-        self._told: dict[bytes, Evaluation] = {}
-        self._asked: list[int] = []
-        self._algorithm: Any = None
-        self._generation: Any = None
+        self._size = parameters.population_size or int(np.clip(context.budget // 10, 10, 100))
 
     @property
     def minimum_budget(self) -> int:
         """The size of the first population."""
-        return self._parameters.population_size or int(np.clip(self._context.budget // 10, 10, 100))
+        return self._size
 
-    def ask(self) -> Sequence[Proposal]:
-        """Designs of the present generation that have not been evaluated, origin `initial` or `offspring`."""
-        if self._algorithm is None:
-            self._start()
-        for _ in range(IDLE_GENERATIONS):
-            self._asked = self._unanswered()[: self._context.batch_size]
-            if self._asked:
-                origin = "offspring" if self._algorithm.is_initialized else "initial"
-                return [Proposal(np.array(self._generation[k].X), origin) for k in self._asked]
-            self._advance()
-            if self._generation is None:
-                break
-        return [self._random_proposal()]
-
-    def tell(self, evaluations: Sequence[Evaluation]) -> None:
-        """Take in evaluations; one of a design not asked for takes the place of a proposal that was not answered."""
-        strangers = []
-        for evaluation in evaluations:
-            key = self._context.space.key(evaluation.design)
-            if key not in {self._key(self._generation[index]) for index in self._asked}:
-                strangers.append(evaluation)
-            self._told[key] = evaluation
-        open_places = [index for index in self._asked if self._key(self._generation[index]) not in self._told]
-        for index, evaluation in zip(open_places, strangers, strict=False):
-            self._generation[index].X = np.array(evaluation.design)
-        self._asked = []
-
-    def _start(self) -> None:
-        """Make the algorithm and its first population: what has been told, filled up with an initial design."""
+    def _make(self, known: FloatArray) -> Any:
+        """A new algorithm with a first population of `known` designs (j, d) and others."""
         context = self._context
-        size = self.minimum_budget
-        given = np.array([evaluation.design for evaluation in self._told.values()]).reshape(-1, context.space.dimension)
-        designs = initial_design(context.space, max(size - len(given), 0), context.initial_generator, given)
-        self._algorithm = self._build(self._parameters, size, np.vstack([given, designs]), _Rounding(context.space))
-        self._algorithm.setup(_pymoo_problem(context), seed=int(context.generator.integers(2**32)))
-        self._generation = self._algorithm.ask()
+        wanted = max(self._size - len(known), 0)
+        designs = initial_design(context.space, wanted, context.initial_generator, known)
+        repeated = random_designs(context.space, wanted - len(designs), context.initial_generator)
+        return self._algorithm(np.vstack([known, designs, repeated]))
 
-    def _advance(self) -> None:
-        """Tell pymoo the values of the generation and ask for the next."""
-        from pymoo.problems.static import StaticProblem
-
-        if self._generation is not None:
-            objectives, constraints = self._values([self._told[self._key(individual)] for individual in self._generation])
-            static = StaticProblem(self._algorithm.problem, F=objectives, G=constraints)
-            self._algorithm.evaluator.eval(static, self._generation)
-            self._algorithm.tell(infills=self._generation)
-        self._generation = self._algorithm.ask()
-
-    def _values(self, evaluations: Sequence[Evaluation]) -> tuple[FloatArray, FloatArray]:
-        """Objectives (n, m) and constraints (n, k + 1), the last of which only a failed evaluation violates."""
-        successes = [evaluation for evaluation in self._told.values() if not evaluation.failed]
-        worst = np.zeros(self._context.n_objectives)
-        worst_constraints = np.zeros(self._context.n_constraints)
-        if successes:
-            worst = np.max([success.objectives for success in successes], axis=0)
-            worst_constraints = np.max([success.constraints for success in successes], axis=0, initial=0.0)
-        failed = np.array([evaluation.failed for evaluation in evaluations])
-        objectives = [worst if e.failed else e.objectives for e in evaluations]
-        constraints = [worst_constraints if e.failed else e.constraints for e in evaluations]
-        return np.array(objectives), np.column_stack([np.array(constraints), np.where(failed, 1.0, 0.0)])
-
-    def _unanswered(self) -> list[int]:
-        """The individuals of the generation that have not been evaluated."""
-        if self._generation is None:
-            return []
-        return [index for index, individual in enumerate(self._generation) if self._key(individual) not in self._told]
-
-    def _random_proposal(self) -> Proposal:
-        space, generator = self._context.space, self._context.generator
-        design = unseen_design(space, set(self._told), generator)
-        return Proposal(random_designs(space, 1, generator)[0] if design is None else design, "random")
-
-    def _key(self, individual: Any) -> bytes:
-        return self._context.space.key(individual.X)
+    @abstractmethod
+    def _algorithm(self, first: FloatArray) -> Any:
+        """A new algorithm of pymoo with that first population (n, d)."""
 
 
-class GeneticAlgorithm(PymooStrategy):
+class GeneticAlgorithm(PopulationStrategy[GeneticParameters]):
     """Genetic algorithm of pymoo: simulated binary crossover, polynomial mutation, integers by rounding."""
 
     Parameters = GeneticParameters
     capabilities = Capabilities(integers=True, constraints=True, batch=True)
 
-    def __init__(self, context: SearchContext, parameters: GeneticParameters) -> None:
-        super().__init__(context, parameters, _genetic_algorithm)
+    def _algorithm(self, first: FloatArray) -> Any:
+        from pymoo.algorithms.soo.nonconvex.ga import GA, FitnessSurvival, comp_by_cv_and_fitness
+
+        operators = _genetic_operators(self._parameters, comp_by_cv_and_fitness, Rounding(self._context.space))
+        return GA(pop_size=self._size, sampling=first, survival=FitnessSurvival(), output=None, **operators)
 
 
-class NonDominatedSortingGeneticAlgorithm(PymooStrategy):
-    """NSGA-II of pymoo: non-dominated sorting and crowding distance, integers by rounding."""
+class NonDominatedSortingGeneticAlgorithm(PopulationStrategy[GeneticParameters]):
+    """NSGA-II of pymoo: non-dominated sorting and crowding distance, integers by rounding (Deb et al. 2002)."""
 
     Parameters = GeneticParameters
     capabilities = Capabilities(multi_objective=True, integers=True, constraints=True, batch=True)
 
-    def __init__(self, context: SearchContext, parameters: GeneticParameters) -> None:
-        super().__init__(context, parameters, _nsga2)
+    def _algorithm(self, first: FloatArray) -> Any:
+        from pymoo.algorithms.moo.nsga2 import NSGA2, binary_tournament
+        from pymoo.operators.survival.rank_and_crowding import RankAndCrowding
+
+        operators = _genetic_operators(self._parameters, binary_tournament, Rounding(self._context.space))
+        return NSGA2(pop_size=self._size, sampling=first, survival=RankAndCrowding(), output=None, **operators)
 
 
-class _Rounding:
-    """pymoo's repair: designs brought inside the bounds, integers rounded."""
+class ReferenceDirectionGeneticAlgorithm(PopulationStrategy[ReferenceDirectionParameters]):
+    """NSGA-III of pymoo: reference directions keep the front spread, integers by rounding (Deb and Jain 2014)."""
 
-    def __init__(self, space: Space) -> None:
-        self._space = space
+    Parameters = ReferenceDirectionParameters
+    capabilities = Capabilities(multi_objective=True, integers=True, constraints=True, batch=True)
 
-    def __call__(self, problem: Any, population: Any, **context: Any) -> Any:
-        population.set("X", self._space.rounded(population.get("X")))
-        return population
+    def _algorithm(self, first: FloatArray) -> Any:
+        from pymoo.algorithms.moo.nsga3 import NSGA3, ReferenceDirectionSurvival
 
+        class QuietSurvival(ReferenceDirectionSurvival):  # type: ignore[misc]
+            """pymoo's survival, which switches all warnings of the process off on its way."""
 
-def _pymoo_problem(context: SearchContext) -> Any:
-    """The box and the numbers of objectives and constraints, one more for failed evaluations."""
-    from pymoo.core.problem import Problem
+            def _do(self, *arguments: Any, **settings: Any) -> Any:
+                with warnings.catch_warnings():
+                    return super()._do(*arguments, **settings)
 
-    return Problem(
-        n_var=context.space.dimension,
-        n_obj=context.n_objectives,
-        n_ieq_constr=context.n_constraints + 1,
-        xl=context.space.lower,
-        xu=context.space.upper,
-    )
-
-
-def _genetic_algorithm(parameters: GeneticParameters, size: int, first: FloatArray, rounding: _Rounding) -> Any:
-    from pymoo.algorithms.soo.nonconvex.ga import GA, FitnessSurvival, comp_by_cv_and_fitness
-
-    return _algorithm(GA, comp_by_cv_and_fitness, FitnessSurvival(), parameters, size, first, rounding)
+        directions = _reference_directions(self._context.n_objectives, self._size)
+        operators = _genetic_operators(self._parameters, _feasible_or_random, Rounding(self._context.space))
+        survival = QuietSurvival(directions)
+        size = max(self._size, len(directions))
+        return NSGA3(directions, pop_size=size, sampling=first, survival=survival, output=None, **operators)
 
 
-def _nsga2(parameters: GeneticParameters, size: int, first: FloatArray, rounding: _Rounding) -> Any:
-    from pymoo.algorithms.moo.nsga2 import NSGA2, binary_tournament
-    from pymoo.operators.survival.rank_and_crowding import RankAndCrowding
+class DifferentialEvolution(PopulationStrategy[DifferentialEvolutionParameters]):
+    """Differential evolution of pymoo with binomial crossover, integers by rounding (Storn and Price 1997)."""
 
-    return _algorithm(NSGA2, binary_tournament, RankAndCrowding(), parameters, size, first, rounding)
+    Parameters = DifferentialEvolutionParameters
+    capabilities = Capabilities(integers=True, constraints=True, batch=True)
+
+    def _algorithm(self, first: FloatArray) -> Any:
+        from pymoo.algorithms.soo.nonconvex.de import DE
+
+        return DE(
+            pop_size=len(first),
+            sampling=first,
+            variant=f"DE/{self._parameters.base}/1/bin",
+            F=self._parameters.differential_weight,
+            CR=self._parameters.crossover_rate,
+            repair=Rounding(self._context.space),
+            output=None,
+        )
 
 
-def _algorithm(
-    kind: Any,
-    comparison: Any,
-    survival: Any,
-    parameters: GeneticParameters,
-    size: int,
-    first: FloatArray,
-    rounding: _Rounding,
-) -> Any:
-    """An algorithm with operators of its own: pymoo's defaults are instances shared between algorithms."""
+class ParticleSwarm(PopulationStrategy[ParticleSwarmParameters]):
+    """Adaptive particle swarm of pymoo, integers by rounding (Kennedy and Eberhart 1995; Zhan et al. 2009)."""
+
+    Parameters = ParticleSwarmParameters
+    capabilities = Capabilities(integers=True, constraints=True, batch=True)
+
+    def _algorithm(self, first: FloatArray) -> Any:
+        from pymoo.algorithms.soo.nonconvex.pso import PSO
+
+        return PSO(
+            pop_size=len(first),
+            sampling=first,
+            w=self._parameters.inertia,
+            c1=self._parameters.cognitive,
+            c2=self._parameters.social,
+            max_velocity_rate=self._parameters.largest_velocity,
+            repair=Rounding(self._context.space),
+            output=None,
+        )
+
+
+def _genetic_operators(parameters: GeneticParameters, comparison: Any, rounding: Rounding) -> dict[str, Any]:
+    """Operators of an algorithm's own: pymoo's defaults are instances shared between algorithms."""
     from pymoo.core.duplicate import DefaultDuplicateElimination
-    from pymoo.core.termination import NoTermination
     from pymoo.operators.crossover.sbx import SBX
     from pymoo.operators.mutation.pm import PM
     from pymoo.operators.selection.tournament import TournamentSelection
 
-    algorithm = kind(
-        pop_size=size,
-        sampling=first,
-        selection=TournamentSelection(func_comp=comparison),
-        crossover=SBX(prob=parameters.crossover_probability, eta=parameters.crossover_eta),
-        mutation=PM(eta=parameters.mutation_eta),
-        survival=survival,
-        eliminate_duplicates=DefaultDuplicateElimination(),
-        repair=rounding,
-        output=None,
-    )
-    algorithm.termination = NoTermination()
-    return algorithm
+    return {
+        "selection": TournamentSelection(func_comp=comparison),
+        "crossover": SBX(prob=parameters.crossover_probability, eta=parameters.crossover_eta),
+        "mutation": PM(eta=parameters.mutation_eta),
+        "eliminate_duplicates": DefaultDuplicateElimination(),
+        "repair": rounding,
+    }
+
+
+def _feasible_or_random(population: Any, pairs: Any, random_state: Any, **context: Any) -> Any:
+    """The winners of tournaments of two: the less infeasible one, else either.
+
+    pymoo's own comparison draws the winner of two equally infeasible ones from a generator without seed, so that no run can
+    be repeated once two evaluations have failed.
+    """
+    violations = population.get("CV")[:, 0][pairs]
+    either = random_state.integers(2, size=len(pairs))
+    winner = np.where(violations[:, 0] == violations[:, 1], either, np.argmin(violations, axis=1))
+    return np.take_along_axis(pairs, winner[:, None], axis=1)
+
+
+def _reference_directions(n_objectives: int, size: int) -> FloatArray:
+    """Directions (r ≤ size, m) of Das and Dennis: as many divisions of the simplex as fit, at least one."""
+    from pymoo.util.ref_dirs import get_reference_directions
+
+    divisions = 1
+    while n_objectives > 1 and math.comb(divisions + n_objectives, n_objectives - 1) <= size:
+        divisions += 1
+    directions: FloatArray = get_reference_directions("das-dennis", n_objectives, n_partitions=divisions)
+    return directions
 
 
 @hookimpl
 def railsearch_strategies(register: Register) -> None:
-    """Register `ga` and `nsga2`."""
+    """Register `ga`, `nsga2`, `nsga3`, `de` and `pso`."""
     register("ga", GeneticAlgorithm)
     register("nsga2", NonDominatedSortingGeneticAlgorithm)
+    register("nsga3", ReferenceDirectionGeneticAlgorithm)
+    register("de", DifferentialEvolution)
+    register("pso", ParticleSwarm)
