@@ -1,0 +1,1 @@
+"""Gaussian process regression with a trend (universal Kriging): the common ground of the surrogates built on it."""

@@ -1,0 +1,186 @@
+"""Length scales and nugget by maximum likelihood or leave-one-out, with analytic gradients.
+
+| symbol | meaning | shape | unit | source |
+|---|---|---|---|---|
+| η | what is optimised: log θ, and log ν if the nugget is estimated | (d,) or (d + 1,) | - | |
+| σ̂² | (y − Fβ)ᵀR⁻¹(y − Fβ)/n | scalar | - | Sacks et al. 1989 |
+| e, q | leave-one-out residuals α/q, q = diag Q | (n,) | - | Dubrule 1983 |
+| M | derivative of a criterion by R: dc = tr(M dR) | (n, n) | - | |
+| D_r | squared differences (x_r − x'_r)² of the points | (n, n) | - | |
+
+Criteria, both free of the scale of y: maximum likelihood c = log σ̂² + log det R/n (β and σ² profiled out), and leave-one-out
+c = log Σ e². With Q = R⁻¹ − R⁻¹F(FᵀR⁻¹F)⁻¹FᵀR⁻¹ and dQ = −Q dR Q,
+
+    maximum likelihood  M = (R⁻¹ − ααᵀ/σ̂²)/n
+    leave-one-out       M = 2 (Q diag(e²/q) Q − α sᵀ)/Σ e²,  s = Q (e/q)
+
+and, as ∂R/∂ log θ_r = g ∘ D_r/θ_r², the gradient Σ_ij M_ij g_ij D_r,ij/θ_r² takes one product of matrices for all r.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize
+
+from railsearch.errors import InputError
+from railsearch.space import FloatArray
+
+from .correlation import CORRELATIONS, correlations
+from .parameters import GaussianProcessParameters
+from .system import Solution, Training, factorise, inverse, leave_one_out, projected_trend, solve
+
+SUBSET = 300
+"""Where there are more points than this, starts are compared on a random subset of this size."""
+
+NUGGETS = (1e-8, 1.0)
+"""Least and largest nugget that may be estimated."""
+
+ISOTROPIC_STARTS = np.geomspace(0.05, 5.0, 8)
+"""Common length scales, in units of √d, of which the best one is where the optimisation starts."""
+
+SPREAD = 1.0
+"""Standard deviation of log θ of the further starts around it."""
+
+NUGGET_START = 1e-3
+"""Where the estimation of the nugget starts."""
+
+ITERATIONS = 100
+"""Limit of the quasi-Newton iterations of one start."""
+
+TOLERANCE = 1e-6
+"""The optimisation ends where an iteration lowers the criterion by less than this fraction of it."""
+
+SMALLEST = 1e-300
+"""Least sum of squares that is told from zero, so that values on the trend itself have a finite logarithm."""
+
+Criterion = Callable[[Solution], tuple[float, FloatArray]]
+"""A criterion c and its derivative M by R; only M + Mᵀ counts."""
+
+
+@dataclass(frozen=True)
+class Hyperparameters:
+    """Length scales θ (d,) and the nugget ν."""
+
+    length_scales: FloatArray
+    nugget: float
+
+
+def likelihood(solution: Solution) -> tuple[float, FloatArray]:
+    """log σ̂² + log det R/n: −2/n times the profiled log-likelihood, without its constant."""
+    variance = max(solution.variance, SMALLEST)
+    n = len(solution.residual)
+    value = np.log(variance) + 2.0 * float(np.sum(np.log(np.diagonal(solution.lower)))) / n
+    derivative = inverse(solution) * 2.0
+    derivative.flat[:: n + 1] *= 0.5
+    derivative -= np.outer(solution.weights / variance, solution.weights)
+    return value, derivative / n
+
+
+def leave_one_out_error(solution: Solution) -> tuple[float, FloatArray]:
+    """log Σ e² of the leave-one-out residuals."""
+    residuals, precisions = leave_one_out(solution)
+    total = max(float(residuals @ residuals), SMALLEST)
+    lower, trend = inverse(solution), projected_trend(solution)
+    projection = lower + np.tril(lower, -1).T - trend @ trend.T
+    ratio = residuals / precisions
+    half = projection * np.sqrt(ratio * residuals)
+    derivative = half @ half.T - np.outer(solution.weights, projection @ ratio)
+    return float(np.log(total)), derivative * (2.0 / total)
+
+
+CRITERIA: dict[str, Criterion] = {"maximum-likelihood": likelihood, "leave-one-out": leave_one_out_error}
+
+
+def solved(training: Training, parameters: GaussianProcessParameters, at: Hyperparameters) -> tuple[Solution, float]:
+    """The equations solved at given hyperparameters, and the nugget that it took."""
+    values, _ = correlations(CORRELATIONS[parameters.correlation], training.points, training.points, at.length_scales)
+    lower, nugget = factorise(values, at.nugget)
+    return solve(lower, training), nugget
+
+
+def criterion(
+    training: Training, parameters: GaussianProcessParameters, at: Hyperparameters
+) -> tuple[float, FloatArray, float]:
+    """The criterion c at given hyperparameters, its derivatives by log θ (d,), and that by log ν."""
+    points, scales = training.points - 0.5, at.length_scales
+    values, slopes = correlations(CORRELATIONS[parameters.correlation], points, points, scales)
+    lower, nugget = factorise(values, at.nugget)
+    value, derivative = CRITERIA[parameters.estimation](solve(lower, training))
+    by_nugget = nugget * float(np.trace(derivative))
+    weighted = np.multiply(derivative, slopes, out=derivative)
+    sums = weighted.sum(axis=0) + weighted.sum(axis=1)
+    by_scales = (sums @ points**2 - 2.0 * np.sum(points * (weighted @ points), axis=0)) / scales**2
+    return value, by_scales, by_nugget
+
+
+def estimated(
+    training: Training,
+    parameters: GaussianProcessParameters,
+    generator: np.random.Generator,
+    start: Hyperparameters | None = None,
+) -> Hyperparameters:
+    """The hyperparameters of least criterion, searched from `start` alone or, without it, from several starts."""
+    dimension = training.points.shape[1]
+    if parameters.length_scales is not None and not parameters.estimate_nugget:
+        return Hyperparameters(given_length_scales(parameters, dimension), parameters.nugget)
+    if start is not None:
+        return _minimised(training, parameters, start)[0]
+    small = training
+    if training.size > SUBSET:
+        small = training.rows(np.sort(generator.permutation(training.size)[:SUBSET]))
+    found = [_minimised(small, parameters, at) for at in _starts(small, parameters, generator)]
+    best, _ = min(found, key=lambda pair: pair[1])
+    return best if small is training else _minimised(training, parameters, best)[0]
+
+
+def given_length_scales(parameters: GaussianProcessParameters, dimension: int) -> FloatArray:
+    """The fixed length scales (d,). Raises InputError if there are neither d of them nor one."""
+    given = np.array(parameters.length_scales, dtype=float)
+    if len(given) not in (1, dimension):
+        raise InputError(f"length_scales: one or {dimension} are needed, received {len(given)}")
+    return np.broadcast_to(given, dimension).copy()
+
+
+def _starts(
+    training: Training, parameters: GaussianProcessParameters, generator: np.random.Generator
+) -> list[Hyperparameters]:
+    """The best common length scale, and random ones by variable around it."""
+    dimension = training.points.shape[1]
+    nugget = NUGGET_START if parameters.estimate_nugget else parameters.nugget
+    if parameters.length_scales is not None:
+        return [Hyperparameters(given_length_scales(parameters, dimension), nugget)]
+    lowest, highest = parameters.length_scale_bounds
+    common = np.clip(ISOTROPIC_STARTS * np.sqrt(dimension), lowest, highest)
+    isotropic = [Hyperparameters(np.full(dimension, scale), nugget) for scale in common]
+    best = min(isotropic, key=lambda at: criterion(training, parameters, at)[0])
+    steps = SPREAD * generator.standard_normal((parameters.starts - 1, dimension))
+    return [best] + [Hyperparameters(np.clip(best.length_scales * np.exp(step), lowest, highest), nugget) for step in steps]
+
+
+def _minimised(
+    training: Training, parameters: GaussianProcessParameters, start: Hyperparameters
+) -> tuple[Hyperparameters, float]:
+    """The local minimiser of the criterion from a start, by L-BFGS-B in η, and the criterion there."""
+    scales_free, nugget_free = parameters.length_scales is None, parameters.estimate_nugget
+    n_scales = len(start.length_scales) if scales_free else 0
+
+    def hyperparameters(eta: FloatArray) -> Hyperparameters:
+        scales = np.exp(eta[:n_scales]) if scales_free else start.length_scales
+        return Hyperparameters(scales, float(np.exp(eta[-1])) if nugget_free else start.nugget)
+
+    def objective(eta: FloatArray) -> tuple[float, FloatArray]:
+        value, by_scales, by_nugget = criterion(training, parameters, hyperparameters(eta))
+        return value, np.append(by_scales[:n_scales], [by_nugget] * nugget_free)
+
+    nuggets = [max(start.nugget, NUGGETS[0])] * nugget_free
+    bounds = [parameters.length_scale_bounds] * n_scales + [NUGGETS] * nugget_free
+    result = minimize(
+        objective,
+        np.log(np.append(start.length_scales[:n_scales], nuggets)),
+        jac=True,
+        method="L-BFGS-B",
+        bounds=np.log(bounds),
+        options={"maxiter": ITERATIONS, "ftol": TOLERANCE},
+    )
+    return hyperparameters(result.x), float(result.fun)
