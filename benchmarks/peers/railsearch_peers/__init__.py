@@ -1,0 +1,1 @@
+"""Public optimisers as railsearch strategies, each in an environment of its own."""
