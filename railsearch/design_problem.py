@@ -72,9 +72,7 @@ class DesignProblem(Problem):  # type: ignore[misc]
         As it stands it makes a problem without sections whose objectives cannot be chosen. Raises InputError.
         """
         made: DesignProblem = cast(Any, cls)()
-        names = [objective.name for objective in made.objectives]
-        if objectives and list(objectives) != names:
-            raise InputError(f"objectives: {made.name} always has {', '.join(names)}, received {', '.join(objectives)}")
+        check_own_objectives(made, objectives)
         return made
 
     @property
@@ -114,6 +112,13 @@ class DesignProblem(Problem):  # type: ignore[misc]
             out["G"] = np.array([outcome.constraints for outcome in outcomes])
         for metric in self.metrics:
             out[metric.name] = np.array([outcome.metrics[metric.name] for outcome in outcomes])
+
+
+def check_own_objectives(problem: DesignProblem, asked: Sequence[str]) -> None:
+    """Raise InputError if other objectives are asked for than the problem's own; none are asked for in an empty list."""
+    names = [objective.name for objective in problem.objectives]
+    if asked and list(asked) != names:
+        raise InputError(f"objectives: {problem.name} always has {', '.join(names)}, received {', '.join(asked)}")
 
 
 class ScalarisedProblem(DesignProblem):

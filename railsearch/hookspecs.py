@@ -1,4 +1,8 @@
-"""The hooks, nothing else. Each receives `register(name, plugin)`; a name may be taken once."""
+"""The hooks, nothing else. Each receives `register(name, plugin)`; a name may be taken once.
+
+A name `FAMILY:NAME`, with NAME as it stands, registers a family instead of a plugin: its `members()` are the names that it
+knows, and `member(name)` is the plugin that goes by `FAMILY:name`; it raises PluginError for others.
+"""
 
 from collections.abc import Callable
 from typing import Any

@@ -5,11 +5,12 @@ with pluggy, and so is whatever a distribution names under `[project.entry-point
 external plugin is reported and left out; it does not take the program down.
 """
 
+import dataclasses
 import difflib
 import importlib
 import importlib.metadata
 import pkgutil
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import ModuleType
 from typing import Any, cast
@@ -45,6 +46,9 @@ REQUIRED = {
     "problem": ("make", "sections", "simulate"),
     "command": (),
 }
+# A name that ends so stands for a family of plugins, from which `FAMILY:x` takes the member x.
+FAMILY = ":NAME"
+FAMILY_REQUIRED = ("members", "member")
 
 
 @dataclass(frozen=True)
@@ -70,6 +74,11 @@ class Entry:
         """The first line of the plugin's docstring."""
         return (self.plugin.__doc__ or "").strip().split("\n")[0]
 
+    @property
+    def members(self) -> Sequence[str]:
+        """The names that may replace NAME in the name of a family; none for a single plugin."""
+        return tuple(self.plugin.members()) if self.name.endswith(FAMILY) else ()
+
 
 class Registry:
     """Plugins by kind and name; the host through which plugins get one another."""
@@ -84,6 +93,9 @@ class Registry:
 
     def entry(self, kind: str, name: str) -> Entry:
         """The entry of that kind and name. Raises PluginError, with the names there are, if it is unknown."""
+        family = self._family(kind, name)
+        if family is not None:
+            return dataclasses.replace(family, name=name, plugin=family.plugin.member(name.partition(":")[2]))
         if (kind, name) in self._entries:
             return self._entries[kind, name]
         known = [entry.name for entry in self.entries(kind)]
@@ -92,9 +104,18 @@ class Registry:
         broken = f" Not loaded: {'; '.join(self.warnings)}" if self.warnings else ""
         raise PluginError(f"unknown {kind} '{name}'{hint}; known: {', '.join(known) or 'none'}.{broken}")
 
+    def called(self, name: str) -> list[Entry]:
+        """The entries of that name, one of each kind that has it; members of families and families themselves as well."""
+        families = [kind for kind in KINDS if self._family(kind, name) and (kind, name) not in self._entries]
+        return [entry for entry in self.entries() if entry.name == name] + [self.entry(kind, name) for kind in families]
+
     def get(self, kind: str, name: str) -> Any:
         """The plugin of that kind and name. Raises PluginError if it is unknown."""
         return self.entry(kind, name).plugin
+
+    def _family(self, kind: str, name: str) -> Entry | None:
+        """The family `FAMILY:NAME` to which a name with a colon belongs."""
+        return self._entries.get((kind, name.partition(":")[0] + FAMILY)) if ":" in name else None
 
     def track_model(self, name: str) -> TrackModel:
         """A new track model."""
@@ -146,7 +167,8 @@ def collect(manager: pluggy.PluginManager, origins: Mapping[str, Provenance], wa
 
 def _collector(kind: str, origin: Provenance, found: list[Entry]) -> Callable[[str, Any], None]:
     def register(name: str, plugin: Any) -> None:
-        missing = [attribute for attribute in REQUIRED[kind] if not hasattr(plugin, attribute)]
+        required = FAMILY_REQUIRED if name.endswith(FAMILY) else REQUIRED[kind]
+        missing = [attribute for attribute in required if not hasattr(plugin, attribute)]
         if missing:
             raise PluginError(f"{kind} '{name}' lacks {', '.join(missing)}; see railsearch.interfaces")
         found.append(Entry(kind, name, plugin, origin))

@@ -46,7 +46,7 @@ def describe(name: Name, as_json: AsJson = False) -> None:
     A name that several kinds share (a track model and a problem, say) is described for all of them.
     """
     registry = load_plugins()
-    entries = [entry for entry in registry.entries() if entry.name == name]
+    entries = registry.called(name)
     if not entries:
         known = ", ".join(sorted({entry.name for entry in registry.entries()}))
         raise PluginError(f"unknown plugin '{name}': there are {known}")
@@ -73,6 +73,8 @@ def _entry_document(entry: Entry) -> dict[str, Any]:
 
 def _description(registry: Registry, entry: Entry) -> dict[str, Any]:
     document = _entry_document(entry) | {"documentation": inspect.cleandoc(entry.plugin.__doc__ or "")}
+    if entry.members:
+        return document | {"members": list(entry.members), "parameters": []}
     if entry.kind == "problem":
         problem = make_problem(registry, ProblemSettings(entry.name))
         sections = entry.plugin.sections(registry).items()
@@ -100,6 +102,8 @@ def _print_description(document: dict[str, Any]) -> None:
     console.print(
         f"{document['documentation']}\n\nfrom {document['distribution']} {document['version']} ({document['module']})\n"
     )
+    if "members" in document:
+        console.print(f"in place of NAME: {', '.join(document['members'])}\n")
     for title in ("variables", "objectives", "metrics", "histories"):
         if document.get(title):
             console.print(_quantities(title, document[title], document.get("reference") or {}))
