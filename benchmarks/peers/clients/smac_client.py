@@ -1,4 +1,4 @@
-"""SMAC3 2.4: its facade for numeric black boxes, a Gaussian process with expected improvement, the start as initial design."""
+"""SMAC3 2.4: its facade for numeric black boxes, a Gaussian process with expected improvement, begun with the start."""
 
 import tempfile
 from pathlib import Path
@@ -39,14 +39,7 @@ def black_box(run: Run) -> None:
         return run.evaluate([config[f"x{k}"] for k in range(run.dimension)])
 
     with tempfile.TemporaryDirectory() as folder:
-        scenario = Scenario(
-            space,
-            deterministic=True,
-            n_trials=ENDLESS,
-            seed=run.seed,
-            output_directory=Path(folder),
-            use_default_config=False,
-        )
+        scenario = Scenario(space, output_directory=Path(folder), deterministic=True, n_trials=ENDLESS, seed=run.seed)
         design = StartDesign(scenario, n_configs=0, additional_configs=start)
         BlackBoxFacade(scenario, value, initial_design=design, logging_level=False, overwrite=True).optimize()
 

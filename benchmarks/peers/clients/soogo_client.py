@@ -1,5 +1,7 @@
 """soogo 2.1: DYCORS and multistart LMSRS (MSRS), with its default model, the RBF with a median filter, holding the start."""
 
+from collections.abc import Callable
+
 import numpy as np
 from serve import Run
 from soogo import MedianLpfFilter, RbfModel, multistart_msrs
@@ -15,7 +17,7 @@ def _model(run: Run) -> RbfModel:
     return model
 
 
-def _values(run: Run):  # noqa: ANN202 - a function of rows
+def _values(run: Run) -> Callable[[np.ndarray], np.ndarray]:
     return lambda rows: np.array([run.evaluate(row) for row in np.atleast_2d(rows)])
 
 

@@ -1,7 +1,7 @@
 """Participants of the benchmark: whatever they are, they begin with the same designs.
 
-The start of a repetition is what `dycors` begins with: the given designs, then a symmetric Latin hypercube, max(20, 2(d + 1))
-in all, drawn by the generator that all strategies of a repetition share.
+The start of a repetition is what `dycors` begins with: the given designs, then a symmetric Latin hypercube,
+max(20, 2(d + 1)) in all, drawn by the generator that all strategies of a repetition share.
 """
 
 import functools
