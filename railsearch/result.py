@@ -13,6 +13,7 @@ import numpy as np
 from railsearch.design_problem import DesignProblem
 from railsearch.interfaces import Evaluation, Quantity
 from railsearch.plugin_manager import Registry
+from railsearch.preferences import StatedPreference, described, scores
 from railsearch.run import RunResult, best, front
 
 LIBRARIES = ("railsearch", "numpy", "scipy", "numba", "pymoo", "optuna", "pluggy")
@@ -38,7 +39,7 @@ def result_document(registry: Registry, problem: DesignProblem, command: RunComm
         "command": command.line,
         "problem": problem_document(problem) | {"sections": identity["sections"]},
         "strategy": identity["strategy"],
-        "scalariser": identity["scalariser"] and identity["scalariser"] | {"values": scalariser_values(problem)},
+        "scalariser": identity["scalariser"] and identity["scalariser"] | _scalariser(problem),
         "budget": identity["budget"],
         "seed": identity["seed"],
         "evaluations": [evaluation_document(problem, evaluation) for evaluation in result.evaluations],
@@ -48,6 +49,7 @@ def result_document(registry: Registry, problem: DesignProblem, command: RunComm
         "reference": reference and evaluation_document(problem, reference),
         "front": [evaluation_document(problem, evaluation) for evaluation in front(result.evaluations)],
         "improvement": improvement(problem, reference, found),
+        "preferences": preference_scores(stated_preferences(problem), problem, {"reference": reference, "best": found}),
         "versions": versions(),
         "plugins": plugins_used(registry, identity),
         "seconds": sum(evaluation.duration + evaluation.overhead for evaluation in result.evaluations),
@@ -128,6 +130,25 @@ def scalariser_values(problem: DesignProblem) -> dict[str, Any]:
     return dict(scalariser.values) if scalariser is not None and scalariser.ready else {}
 
 
+def stated_preferences(problem: DesignProblem) -> Sequence[StatedPreference]:
+    """The preferences that a problem is scalarised by; empty if it is not."""
+    stated: Sequence[StatedPreference] = getattr(getattr(problem, "scalariser", None), "preferences", ())
+    return stated
+
+
+def preference_scores(
+    preferences: Sequence[StatedPreference], problem: DesignProblem, evaluations: Mapping[str, Evaluation | None]
+) -> list[dict[str, Any]]:
+    """Every preference in plain JSON types with the scores, 0 to 100, of labelled evaluations; null where there is none."""
+    rows = [described(preference) | {"scores": dict.fromkeys(evaluations)} for preference in preferences]
+    for label, evaluation in evaluations.items():
+        if evaluation is not None and preferences:
+            values = {name: np.array([value]) for name, value in values_of(problem, evaluation).items()}
+            for row, score in zip(rows, scores(preferences, values)[0], strict=True):
+                row["scores"][label] = _finite(float(score))
+    return rows
+
+
 def versions() -> dict[str, str]:
     """Versions of Python and of the libraries that results depend on."""
     return {"python": platform.python_version()} | {name: importlib.metadata.version(name) for name in LIBRARIES}
@@ -143,6 +164,11 @@ def plugins_used(registry: Registry, identity: Mapping[str, Any]) -> list[dict[s
         for entry in registry.entries()
         if (entry.kind, entry.name) in names or entry.kind in ("track-model", "surrogate")
     ]
+
+
+def _scalariser(problem: DesignProblem) -> dict[str, Any]:
+    objectives = [objective.name for objective in problem.simulated.objectives]
+    return {"objectives": objectives, "values": scalariser_values(problem)}
 
 
 def _natural(quantity: Quantity, value: float) -> float:

@@ -13,6 +13,7 @@ import numpy as np
 from railsearch.errors import InputError
 from railsearch.parameters import allowed_values, make_parameters
 from railsearch.plugin_manager import Registry
+from railsearch.preferences import GroupPreferenceParameters
 from railsearch.problem_factory import ProblemSettings, checked_sections, make_problem, natural_worst
 
 
@@ -62,6 +63,26 @@ def site_template(registry: Registry, problem: str) -> str:
         for entry in registry.entries(kind):
             lines += _table(f"{kind}.{entry.name}", entry.plugin.Parameters())
     return "\n".join(lines) + "\n"
+
+
+def preference_settings(registry: Registry, scalariser: str | None, path: Path | None) -> dict[str, Any]:
+    """What a preference file (TOML) sets of a scalariser; nothing without a file.
+
+    Raises InputError for a fault in the file, without a scalariser, and for one that does not take what the file has.
+    """
+    if path is None:
+        return {}
+    document = read_toml(path)
+    make_parameters(GroupPreferenceParameters, document, str(path))
+    able = [
+        entry.name
+        for entry in registry.entries("scalariser")
+        if set(document) <= {field.name for field in dataclasses.fields(entry.plugin.Parameters)}
+    ]
+    if scalariser is None or registry.entry("scalariser", scalariser).name not in able:
+        which = "no scalariser is named" if scalariser is None else f"scalariser {scalariser} does not take them"
+        raise InputError(f"{path}: it has {', '.join(document)}, but {which}; name one that does: {', '.join(able)}")
+    return document
 
 
 def _worst_table(registry: Registry, problem: str) -> Iterator[str]:

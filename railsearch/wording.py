@@ -1,11 +1,29 @@
 """How numbers and names are shown, in tables, pages and figures alike."""
 
+from collections.abc import Mapping
+from typing import Any
+
 
 def readable(value: object) -> str:
     """A number with five significant digits, a dash for nothing, anything else as it is."""
     if value is None:
         return "–"
     return f"{value:.5g}" if isinstance(value, float) else str(value)
+
+
+def preference_words(row: Mapping[str, Any]) -> str:
+    """A described preference function with its parameters."""
+    words = [f"{name.replace('_', ' ')} {_listed(value)}" for name, value in row["parameters"].items()]
+    return f"{row['function']}: {', '.join(words)}"
+
+
+def outside(row: Mapping[str, Any]) -> str:
+    """What a described preference function does outside its range of values."""
+    return "extended" if row["extended"] else "clipped"
+
+
+def _listed(value: object) -> str:
+    return f"({', '.join(map(_listed, value))})" if isinstance(value, list | tuple) else readable(value)
 
 
 def quantity_label(name: str, unit: str) -> str:

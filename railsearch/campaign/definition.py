@@ -22,6 +22,12 @@
 
     [[problem]]
     name = "level-crossing"
+    label = "stakeholders"
+    scalarise = "preference-minmax"
+    preferences = "preferences.toml"      # a preference file, beside this file
+
+    [[problem]]
+    name = "level-crossing"
     label = "front"
     objectives = ["F_max", "E_max"]       # default: the problem's own choice
     reference_point = { F_max = 6000.0, E_max = 1.5 }           # of hypervolume; default: the worst values

@@ -19,7 +19,7 @@ from railsearch.problem_factory import (
     natural_worst,
 )
 from railsearch.run_identity import all_settings
-from railsearch.site import Site, read_site
+from railsearch.site import Site, preference_settings, read_site
 
 
 @dataclass(frozen=True)
@@ -31,6 +31,7 @@ class ProblemTable:
     objectives: tuple[str, ...] = ()
     scalarise: str | None = None
     scalariser_settings: dict[str, Any] | None = None
+    preferences: str | None = None
     parameters: str | None = None
     sections: dict[str, Any] | None = None
     worst: dict[str, Any] | None = None
@@ -50,14 +51,17 @@ def read_problem(
 ) -> CampaignProblem | None:
     """The problem of a table under a label, or None when it has faults, which are noted.
 
-    folder: where the path of a site file begins; strategies: by which the problem is searched.
+    folder: where the paths of site and preference file begin; strategies: by which the problem is searched.
     """
     where, before = f"problem {label}", len(faults.messages)
     with faults.gathered(where):
         registry.entry("problem", table.name)
         site = read_site(folder / table.parameters, registry, table.name) if table.parameters else Site(table.name)
         _check_site_strategies(registry, site, strategies)
-        settings = _settings(table, site)
+        preferences = preference_settings(
+            registry, table.scalarise, folder / table.preferences if table.preferences else None
+        )
+        settings = _settings(table, site, preferences)
         _check_parts(registry, settings, table.reference_point or {}, where, faults)
         if len(faults.messages) == before:
             problem = make_problem(registry, settings)
@@ -68,8 +72,8 @@ def read_problem(
     return None
 
 
-def _settings(table: ProblemTable, site: Site) -> ProblemSettings:
-    """What the site file says, overlaid with what the campaign file says."""
+def _settings(table: ProblemTable, site: Site, preferences: Mapping[str, Any]) -> ProblemSettings:
+    """What the site file says, overlaid with the preference file and with what the campaign file says."""
     if table.scalariser_settings and table.scalarise is None:
         raise InputError('scalariser_settings: there is no scalariser; name one, for instance scalarise = "asf"')
     return ProblemSettings(
@@ -77,7 +81,7 @@ def _settings(table: ProblemTable, site: Site) -> ProblemSettings:
         table.objectives,
         _overlaid(site.sections, table.sections or {}),
         table.scalarise,
-        _overlaid(site.scalarisers.get(table.scalarise or "", {}), table.scalariser_settings or {}),
+        _overlaid({**site.scalarisers.get(table.scalarise or "", {}), **preferences}, table.scalariser_settings or {}),
         _overlaid(site.worst, table.worst or {}),
     )
 

@@ -59,6 +59,7 @@ def _entry_lines(problem: DesignProblem) -> Iterable[str]:
         f"objectives = {json.dumps([objective.name for objective in problem.objectives])}",
         '# scalarise = "asf"             # of two objectives or more',
         "# scalariser_settings = {}      # `railsearch describe asf` tells them",
+        '# preferences = "my-preferences.toml"   # a preference file beside this one, for preference-minmax and imap',
         '# parameters = "my-site.toml"   # a site file beside this one; `railsearch init` writes one',
         "# sections = {}                 # single values of a site file, in place of those there",
         "# worst = {}                    # worst values by objective, for scalarisers",

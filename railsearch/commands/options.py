@@ -18,7 +18,7 @@ from railsearch.errors import InputError
 from railsearch.plugin_manager import Registry
 from railsearch.problem_factory import ProblemSettings, amended_design, make_problem
 from railsearch.run_directory import write_whole
-from railsearch.site import Site, read_site
+from railsearch.site import Site, preference_settings, read_site
 from railsearch.space import FloatArray
 from railsearch.storage import without_password
 
@@ -29,6 +29,10 @@ Parameters = Annotated[
 ]
 Assignments = Annotated[
     list[str] | None, typer.Option("--set", "-s", metavar="NAME=VALUE", help="Change one value; may be repeated.")
+]
+PreferenceFile = Annotated[
+    Path | None,
+    typer.Option("--preferences", metavar="FILE.toml", help="Preference functions and weights, for the scalariser."),
 ]
 Objectives = Annotated[
     str,
@@ -60,7 +64,12 @@ class Asked:
 
 
 def asked_problem(
-    registry: Registry, name: str, parameters: Path | None, objectives: str = "", scalariser: str | None = None
+    registry: Registry,
+    name: str,
+    parameters: Path | None,
+    objectives: str = "",
+    scalariser: str | None = None,
+    preferences: Path | None = None,
 ) -> Asked:
     """The problem of a command. Raises PluginError or InputError."""
     registry.entry("problem", name)
@@ -70,7 +79,7 @@ def asked_problem(
         tuple(part.strip() for part in objectives.split(",") if part.strip()),
         site.sections,
         scalariser,
-        site.scalarisers.get(scalariser or "", {}),
+        {**site.scalarisers.get(scalariser or "", {}), **preference_settings(registry, scalariser, preferences)},
         site.worst,
     )
     return Asked(make_problem(registry, settings, str(parameters or "parameters")), settings, site)

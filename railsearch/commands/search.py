@@ -17,6 +17,7 @@ from railsearch.commands.options import (
     Folder,
     Objectives,
     Parameters,
+    PreferenceFile,
     ProblemName,
     StorageUrl,
     asked_problem,
@@ -72,6 +73,7 @@ def run(
     scalarise: Annotated[
         str | None, typer.Option("--scalarise", metavar="NAME", help="Scalariser, for instance asf.")
     ] = None,
+    preferences: PreferenceFile = None,
     parameters: Parameters = None,
     assigned: Assignments = None,
     batch: Annotated[int, typer.Option("--batch", help="Designs proposed at a time.")] = 1,
@@ -97,7 +99,7 @@ def run(
         railsearch run level-crossing --scalarise asf --strategy dycors --budget 400 --seed 1 --out my-run
     """
     registry = load_plugins()
-    asked = asked_problem(registry, name, parameters, objectives, scalarise)
+    asked = asked_problem(registry, name, parameters, objectives, scalarise, preferences)
     settings = RunSettings(
         strategy,
         budget,

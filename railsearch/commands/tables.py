@@ -1,11 +1,12 @@
 """Result tables for the terminal."""
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rich.console import RenderableType
 from rich.table import Table
 
-from railsearch.wording import quantity_label, readable
+from railsearch.wording import outside, preference_words, quantity_label, readable
 
 FRONT_ROWS = 12
 
@@ -13,9 +14,23 @@ FRONT_ROWS = 12
 def result_tables(found: dict[str, Any]) -> list[RenderableType]:
     """Reference against best design: quantities with the improvement, variables, and the front if there is one."""
     tables: list[RenderableType] = [_quantities(found), _variables(found)]
+    if found["preferences"]:
+        tables.insert(1, preferences_table(found["preferences"]))
     if len(found["problem"]["objectives"]) > 1:
         tables.append(_front(found))
     return tables
+
+
+def preferences_table(rows: Sequence[Mapping[str, Any]]) -> Table:
+    """Preference functions with the scores of labelled designs."""
+    table = Table("quantity", "preference", "outside", box=None, pad_edge=False)
+    for column in ("weight", *(f"score, {label}" for label in rows[0]["scores"])):
+        table.add_column(column, justify="right")
+    for row in rows:
+        who = f"{row['stakeholder']}: " if row["stakeholder"] else ""
+        cells = [readable(value) for value in (row["weight"], *row["scores"].values())]
+        table.add_row(who + quantity_label(row["quantity"], row["unit"]), preference_words(row), outside(row), *cells)
+    return table
 
 
 def _quantities(found: dict[str, Any]) -> Table:

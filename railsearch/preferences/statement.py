@@ -118,6 +118,21 @@ def scores(preferences: Sequence[StatedPreference], values: Mapping[str, FloatAr
     return np.column_stack([stated.function.score(values[stated.quantity.name]) for stated in preferences])
 
 
+def described(preference: StatedPreference) -> dict[str, Any]:
+    """A stated preference in plain types: whose, on what, the function with its parameters, and what it weighs."""
+    parameters = dataclasses.asdict(cast(Any, preference.function))
+    function, extended = parameters.pop("function"), parameters.pop("extended")
+    return {
+        "stakeholder": preference.stakeholder,
+        "quantity": preference.quantity.name,
+        "unit": preference.quantity.unit,
+        "weight": preference.weight,
+        "function": function,
+        "parameters": {name: value for name, value in parameters.items() if value is not None},
+        "extended": extended,
+    }
+
+
 def quantities_of(tables: Tables) -> dict[str, list[PreferenceFunction]]:
     """The functions that a statement {preferences, stakeholders} has on each quantity, by name. Raises InputError."""
     found: dict[str, list[PreferenceFunction]] = {}

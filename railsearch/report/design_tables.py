@@ -7,7 +7,7 @@ from railsearch.report.markup import (
     labelled,
     table,
 )
-from railsearch.wording import readable
+from railsearch.wording import outside, preference_words, readable
 
 
 def quantities_table(document: Mapping[str, Any], searched: Sequence[str]) -> str:
@@ -37,6 +37,26 @@ def variables_table(document: Mapping[str, Any]) -> str:
         ]
         rows.append([labelled(variable), *map(readable, designs), bounds, variable["meaning"]])
     return table(["variable", "reference", "best", "range", "meaning"], rows, numbers=(1, 2, 3))
+
+
+def preferences_table(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Preference functions with their parameters, and the scores of labelled designs."""
+    several = any(row["stakeholder"] for row in rows)
+    labels = list(rows[0]["scores"])
+    titles = ["stakeholder"] * several + [
+        "quantity",
+        "function",
+        "outside",
+        "weight",
+        *(f"score, {label}" for label in labels),
+    ]
+    cells = [
+        [row["stakeholder"]] * several
+        + [labelled({"name": row["quantity"], "unit": row["unit"]}), preference_words(row), outside(row)]
+        + [readable(row["weight"]), *(readable(row["scores"][label]) for label in labels)]
+        for row in rows
+    ]
+    return table(titles, cells, numbers=range(3 + several, len(titles)))
 
 
 def _value(evaluation: Mapping[str, Any] | None, name: str) -> float | None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from railsearch.design_problem import DesignProblem
 from railsearch.interfaces import Evaluation
-from railsearch.result import reference_evaluation
+from railsearch.result import reference_evaluation, stated_preferences, values_of
 from railsearch.run import best
 from railsearch.run_directory import write_whole, writing
 
@@ -28,7 +28,13 @@ def run_figures(problem: DesignProblem, evaluations: Sequence[Evaluation]) -> di
     designs = {"reference": reference, "best": found}
     shown = {label: evaluation.design for label, evaluation in designs.items() if evaluation is not None}
     pictures = problem.figures(shown) if found is not None else {}
-    return {"history": history_figure(problem, evaluations), **pictures}
+    figures = {"history": history_figure(problem, evaluations), **pictures}
+    if preferences := stated_preferences(problem):
+        from railsearch.report.preferences import preference_figure
+
+        values = {label: values_of(problem, evaluation) for label, evaluation in designs.items() if evaluation is not None}
+        figures["preferences"] = preference_figure(preferences, values)
+    return figures
 
 
 def write_figures(folder: Path, figures: Mapping[str, Figure]) -> None:

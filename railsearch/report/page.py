@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from railsearch.report.design_tables import quantities_table, variables_table
+from railsearch.report.design_tables import preferences_table, quantities_table, variables_table
 from railsearch.report.markup import (
     escaped,
     labelled,
@@ -41,6 +41,8 @@ def report_page(document: Mapping[str, Any], figures: Mapping[str, Figure]) -> s
     ]
     if len(document["problem"]["objectives"]) > 1:
         sections.insert(2, section("Front", _front(document)))
+    if document["preferences"]:
+        sections.insert(1, section("Preferences", preferences_table(document["preferences"])))
     return page(document["problem"]["label"], _summary(document), sections)
 
 
@@ -62,7 +64,7 @@ def _searched(document: Mapping[str, Any]) -> list[str]:
     """Names of the objectives, behind the scalar too."""
     scalariser = document["scalariser"]
     own = [objective["name"] for objective in document["problem"]["objectives"]]
-    return own + list(scalariser["values"].get("aspiration", {}) if scalariser else [])
+    return own + (scalariser["objectives"] if scalariser else [])
 
 
 def _front(document: Mapping[str, Any]) -> str:
@@ -101,7 +103,8 @@ def _provenance(document: Mapping[str, Any]) -> str:
     strategy, scalariser = document["strategy"], document["scalariser"]
     settings = [[f"{strategy['name']}: {name}", value] for name, value in strategy["settings"].items()]
     if scalariser:
-        settings += [[f"{scalariser['name']}: {name}", value] for name, value in scalariser["values"].items()]
+        used = {name: value for name, value in scalariser["values"].items() if name != "preferences"}
+        settings += [[f"{scalariser['name']}: {name}", value] for name, value in used.items()]
     plugins = [[p["kind"], p["name"], p["module"], f"{p['distribution']} {p['version']}"] for p in document["plugins"]]
     return "\n".join(
         (

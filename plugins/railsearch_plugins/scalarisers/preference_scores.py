@@ -1,9 +1,7 @@
 """Scalarisers `preference-minmax` and `imap`: objectives by how much stakeholders like them."""
 
-import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -14,6 +12,7 @@ from railsearch.preferences import (
     GroupPreferenceParameters,
     PreferenceParameters,
     StatedPreference,
+    described,
     largest_shortfall,
     scores,
     stated,
@@ -35,7 +34,7 @@ class PreferenceScores:
     @property
     def values(self) -> Mapping[str, object]:
         """Every preference function with its parameters (`extended`: not clipped to 0 … 100) and its weight."""
-        return {"preferences": [_plain(preference) for preference in self.preferences]}
+        return {"preferences": [described(preference) for preference in self.preferences]}
 
     def prepare(self, reference: FloatArray) -> None:
         """Nothing depends on the reference design."""
@@ -94,13 +93,6 @@ class GroupPreference(PreferenceScores):
 
 def _weight(preferences: Sequence[StatedPreference]) -> float:
     return sum(preference.weight for preference in preferences)
-
-
-def _plain(preference: StatedPreference) -> dict[str, Any]:
-    function: Any = preference.function
-    named = {"objective": preference.quantity.name, "unit": preference.quantity.unit, "weight": preference.weight}
-    who = {"stakeholder": preference.stakeholder} if preference.stakeholder else {}
-    return who | named | {"function": function.function} | dataclasses.asdict(function)
 
 
 @hookimpl
