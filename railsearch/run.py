@@ -164,7 +164,7 @@ def make_strategy(registry: Registry, problem: DesignProblem, settings: RunSetti
     """The strategy of a run at its start. Raises an error if it, its settings and the budget do not suit the problem."""
     plugin = registry.get("strategy", settings.strategy)
     parameters = make_parameters(plugin.Parameters, settings.strategy_settings, f"strategy {settings.strategy}")
-    check_capabilities(settings.strategy, plugin.capabilities, problem, settings.batch_size)
+    check_capabilities(registry, settings.strategy, plugin.capabilities, problem, settings.batch_size)
     generators = run_generators(settings.seed, settings.initial_seed)
     context = SearchContext(
         space=problem.space,
@@ -186,21 +186,21 @@ def make_strategy(registry: Registry, problem: DesignProblem, settings: RunSetti
     return strategy
 
 
-def check_capabilities(name: str, capabilities: Capabilities, problem: DesignProblem, batch_size: int) -> None:
+def check_capabilities(
+    registry: Registry, name: str, capabilities: Capabilities, problem: DesignProblem, batch_size: int
+) -> None:
     """Raise CapabilityError if a strategy cannot handle a problem, with what can be done about it."""
+    reason = _refusal(capabilities, problem, batch_size)
+    if not reason:
+        return
+    able = [
+        entry.name for entry in registry.entries("strategy") if not _refusal(entry.plugin.capabilities, problem, batch_size)
+    ]
+    remedy = f"use a strategy that can ({', '.join(able) or 'none is installed'})"
     if problem.n_obj > 1 and not capabilities.multi_objective:
-        names = ", ".join(objective.name for objective in problem.objectives)
-        raise CapabilityError(
-            f"strategy {name} handles one objective, this problem has {problem.n_obj} ({names}): choose one of them, "
-            "scalarise them (asf), or use a multi-objective strategy such as nsga2"
-        )
-    if problem.space.integer.any() and not capabilities.integers:
-        integers = ", ".join(variable.name for variable in problem.space.variables if variable.integer)
-        raise CapabilityError(f"strategy {name} cannot handle integer variables, this problem has {integers}")
-    if problem.n_ieq_constr and not capabilities.constraints:
-        raise CapabilityError(f"strategy {name} cannot handle constraints, this problem has {problem.n_ieq_constr}")
-    if batch_size > 1 and not capabilities.batch:
-        raise CapabilityError(f"strategy {name} proposes one design at a time, a batch of {batch_size} was asked for")
+        scalarisers = ", ".join(entry.name for entry in registry.entries("scalariser"))
+        remedy = f"choose one of them, scalarise them ({scalarisers}), or {remedy}"
+    raise CapabilityError(f"strategy {name} {reason}: {remedy}")
 
 
 def front(evaluations: Sequence[Evaluation]) -> list[Evaluation]:
@@ -239,6 +239,21 @@ def _step(strategy: Strategy, evaluator: BudgetedEvaluator) -> Iterator[Evaluati
         raise CapabilityError("the strategy proposed nothing although there is budget left")
     overhead = (time.perf_counter() - start) / len(proposals)
     strategy.tell((yield from evaluator.evaluate(proposals, overhead)))
+
+
+def _refusal(capabilities: Capabilities, problem: DesignProblem, batch_size: int) -> str:
+    """Why strategies with these capabilities cannot handle a problem; empty if they can."""
+    if problem.n_obj > 1 and not capabilities.multi_objective:
+        names = ", ".join(objective.name for objective in problem.objectives)
+        return f"handles one objective, not several, and this problem has {problem.n_obj} ({names})"
+    if problem.space.integer.any() and not capabilities.integers:
+        integers = ", ".join(variable.name for variable in problem.space.variables if variable.integer)
+        return f"does not handle integer variables, this problem has {integers}"
+    if problem.n_ieq_constr and not capabilities.constraints:
+        return f"does not handle constraints, this problem has {problem.n_ieq_constr}"
+    if batch_size > 1 and not capabilities.batch:
+        return f"proposes one design at a time, a batch of {batch_size} was asked for"
+    return ""
 
 
 def _surrogate(registry: Registry, dimension: int, name: str, settings: Mapping[str, object]) -> Surrogate:
