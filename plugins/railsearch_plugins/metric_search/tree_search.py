@@ -14,12 +14,23 @@ whose relaxation is no lower than the lowest integer point met is dropped (Land 
 import heapq
 import itertools
 from collections.abc import Callable
+from typing import Protocol
 
 import numpy as np
 from scipy.optimize import minimize
 
-from railsearch.interfaces import Surrogate
 from railsearch.space import FloatArray, Space
+
+
+class SmoothFunction(Protocol):
+    """What can be searched: a surrogate, or something made of one."""
+
+    def predict(self, points: FloatArray) -> FloatArray:
+        """Values (k,) at points (k, d)."""
+
+    def gradient(self, points: FloatArray) -> FloatArray:
+        """Derivatives (k, d) at points (k, d)."""
+
 
 Relaxation = Callable[[FloatArray, FloatArray, FloatArray | None], tuple[FloatArray, float]]
 """Minimises f̂ in the box from `lower` (d,) to `upper` (d,), perhaps from a given start: the minimiser (d,) and f̂ there."""
@@ -31,7 +42,7 @@ ITERATIONS = 30
 """Limit of the quasi-Newton iterations of one relaxation; the integers need its minimiser to a fraction of a step only."""
 
 
-def tree_search(surrogate: Surrogate, space: Space, pool: FloatArray, n_starts: int, max_nodes: int) -> FloatArray:
+def tree_search(surrogate: SmoothFunction, space: Space, pool: FloatArray, n_starts: int, max_nodes: int) -> FloatArray:
     """The integer points (k, d), unit cube, met in a branch and bound over the surrogate, the lowest last.
 
     `pool` (t, d) holds points of the unit cube, the lowest of which in a box are the starts of its relaxation.
@@ -84,7 +95,7 @@ def _halves(space: Space, point: FloatArray, lower: FloatArray, upper: FloatArra
     return [(lower, below), (above, upper)]
 
 
-def _relaxation(surrogate: Surrogate, pool: FloatArray, n_starts: int) -> Relaxation:
+def _relaxation(surrogate: SmoothFunction, pool: FloatArray, n_starts: int) -> Relaxation:
     """Minimise the surrogate in a box by L-BFGS-B from the parent's minimiser and the lowest points of the pool."""
     values = surrogate.predict(pool)
     order = np.argsort(values, kind="stable")
