@@ -9,6 +9,7 @@ import typer
 
 from railsearch.commands.campaign import campaign, export, init_campaign, report
 from railsearch.commands.catalogue import describe, init, list_plugins
+from railsearch.commands.choose import choose
 from railsearch.commands.evaluation import evaluate, sample, simulate
 from railsearch.commands.options import messages
 from railsearch.commands.search import dashboard, run, show
@@ -36,6 +37,7 @@ def railsearch_commands(register: Callable[[str, Any], None]) -> None:
         ("sample", sample),
         ("run", run),
         ("show", show),
+        ("choose", choose),
         ("dashboard", dashboard),
         ("init-campaign", init_campaign),
         ("campaign", campaign),

@@ -22,6 +22,12 @@ def outside(row: Mapping[str, Any]) -> str:
     return "extended" if row["extended"] else "clipped"
 
 
+def candidate_marks(candidate: Mapping[str, Any]) -> str:
+    """What speaks for a candidate of a choice besides its preference scores."""
+    marks = {"nearest_pseudo_weights": "nearest pseudo-weights", "high_trade_off": "high trade-off"}
+    return ", ".join(words for key, words in marks.items() if candidate[key])
+
+
 def _listed(value: object) -> str:
     return f"({', '.join(map(_listed, value))})" if isinstance(value, list | tuple) else readable(value)
 

@@ -2,7 +2,6 @@
 
 import json
 import sys
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -28,6 +27,7 @@ from railsearch.commands.options import (
     results,
 )
 from railsearch.commands.progress import run_progress
+from railsearch.commands.stored_run import record_url, stored_document, stored_run, study_of
 from railsearch.commands.tables import result_tables, sentence
 from railsearch.dask_cluster import connected
 from railsearch.design_problem import DesignProblem
@@ -36,8 +36,8 @@ from railsearch.plugin_manager import Registry, load_plugins
 from railsearch.problem_factory import given_designs
 from railsearch.result import RunCommand, result_document
 from railsearch.run import RunResult, RunSettings, make_strategy, run_search
-from railsearch.run_directory import RESULT_FILE, RunDirectory, recorded_url
-from railsearch.run_identity import all_settings, problem_of, run_identity
+from railsearch.run_directory import RESULT_FILE, RunDirectory
+from railsearch.run_identity import all_settings, run_identity
 from railsearch.seeding import checked_seed
 from railsearch.simulation import Simulators
 from railsearch.space import FloatArray, Space
@@ -49,13 +49,11 @@ from railsearch.storage import (
     StudyDescription,
     check_storage,
     is_file,
-    open_run,
     plain,
     server_claims,
     storage_url,
     without_password,
 )
-from railsearch.study_note import study_note
 
 
 def run(
@@ -119,7 +117,7 @@ def run(
     with folder.claimed(document) as begun:
         command = RunCommand(begun["command"], identity)
         try:
-            record = _claimed_record(url or folder.embedded_url, _study(asked.problem, command), asked.problem.space)
+            record = _claimed_record(url or folder.embedded_url, study_of(asked.problem, command), asked.problem.space)
         except StorageError:
             folder.withdraw(begun, document)
             raise
@@ -135,8 +133,8 @@ def show(folder: Folder, storage: StorageUrl = None, as_json: AsJson = False) ->
     if CampaignDirectory(folder).held:
         raise InputError(f"DIR: {folder} holds a campaign; `railsearch report {folder}` shows it")
     directory = RunDirectory(folder)
-    stored = _stored(directory)
-    found = directory.stored_result() or _unfinished(directory, stored, storage)
+    stored_document(directory)
+    found = directory.stored_result() or _unfinished(directory, storage)
     _print_result(found, as_json)
 
 
@@ -153,7 +151,7 @@ def dashboard(
         url = of_campaign.url(of_campaign.stored(), storage)
     else:
         directory = RunDirectory(folder)
-        url = _url(directory, _stored(directory), storage)
+        url = record_url(directory, stored_document(directory), storage)
     check_storage(url)
     messages.print(f"dashboard at http://127.0.0.1:{port}/ - end it with Ctrl-C")
     try:
@@ -171,13 +169,6 @@ def _seed(seed: int | None, out: Path | None) -> int:
 def _strategy_settings(registry: Registry, asked: Asked, strategy: str, assigned: list[str] | None) -> dict[str, Any]:
     settings = {**asked.site.strategies.get(strategy, {}), **assignments(assigned)}
     return all_settings(registry, "strategy", strategy, settings)
-
-
-def _study(problem: DesignProblem, command: RunCommand) -> StudyDescription:
-    identity = command.identity
-    name = f"{problem.label} / {identity['strategy']['name']} / seed {identity['seed']}"
-    names = tuple(objective.name for objective in problem.objectives)
-    return StudyDescription(name, identity, names, problem.n_ieq_constr, study_note(problem, command))
 
 
 def _claimed_record(url: str, study: StudyDescription, space: Space) -> RunStorage:
@@ -245,29 +236,9 @@ def _print_result(found: dict[str, Any], as_json: bool) -> None:
         console.print(sentence(found), soft_wrap=True)
 
 
-def _unfinished(directory: RunDirectory, stored: Mapping[str, Any], storage: str | None) -> dict[str, Any]:
+def _unfinished(directory: RunDirectory, storage: str | None) -> dict[str, Any]:
     """The result document of a run that has not come to its end."""
     registry = load_plugins()
-    identity = stored["identity"]
-    problem = problem_of(registry, identity, "run.json")
-    command = RunCommand(stored["command"], identity)
-    record = open_run(_url(directory, stored, storage), _study(problem, command), problem.space, create=False)
-    evaluations = record.load()
-    for evaluation in evaluations:
-        if not evaluation.failed:
-            problem.replay(evaluation)
-    result = RunResult(tuple(evaluations), len(evaluations), 0)
-    return result_document(registry, problem, command, result)
-
-
-def _stored(directory: RunDirectory) -> dict[str, Any]:
-    stored = directory.stored()
-    if stored is None:
-        raise InputError(f"DIR: {directory.folder} holds no run (no run.json); give the --out of a `railsearch run`")
-    return stored
-
-
-def _url(directory: RunDirectory, stored: Mapping[str, Any], storage: str | None) -> str:
-    if storage is not None:
-        return storage_url(storage)
-    return recorded_url(stored["storage"], directory.embedded_url)
+    run = stored_run(registry, directory, storage)
+    result = RunResult(run.evaluations, len(run.evaluations), 0)
+    return result_document(registry, run.problem, run.command, result)

@@ -1,28 +1,28 @@
 """Result tables for the terminal."""
 
-from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rich.console import RenderableType
 from rich.table import Table
 
-from railsearch.wording import outside, preference_words, quantity_label, readable
+from railsearch.wording import candidate_marks, outside, preference_words, quantity_label, readable
 
 FRONT_ROWS = 12
 
 
 def result_tables(found: dict[str, Any]) -> list[RenderableType]:
     """Reference against best design: quantities with the improvement, variables, and the front if there is one."""
-    tables: list[RenderableType] = [_quantities(found), _variables(found)]
+    tables: list[RenderableType] = [quantities_table(found), variables_table(found)]
     if found["preferences"]:
-        tables.insert(1, preferences_table(found["preferences"]))
+        tables.insert(1, preference_scores_table(found))
     if len(found["problem"]["objectives"]) > 1:
         tables.append(_front(found))
     return tables
 
 
-def preferences_table(rows: Sequence[Mapping[str, Any]]) -> Table:
-    """Preference functions with the scores of labelled designs."""
+def preference_scores_table(found: dict[str, Any]) -> Table:
+    """Preference functions with the scores of the reference and the best design."""
+    rows = found["preferences"]
     table = Table("quantity", "preference", "outside", box=None, pad_edge=False)
     for column in ("weight", *(f"score, {label}" for label in rows[0]["scores"])):
         table.add_column(column, justify="right")
@@ -33,7 +33,8 @@ def preferences_table(rows: Sequence[Mapping[str, Any]]) -> Table:
     return table
 
 
-def _quantities(found: dict[str, Any]) -> Table:
+def quantities_table(found: dict[str, Any]) -> Table:
+    """Objectives and metrics of the reference and the best design, with the improvement."""
     table = Table(box=None, pad_edge=False)
     for column in ("quantity", "reference", "best", "better by [%]"):
         table.add_column(column, justify="left" if column == "quantity" else "right")
@@ -50,7 +51,8 @@ def _quantities(found: dict[str, Any]) -> Table:
     return table
 
 
-def _variables(found: dict[str, Any]) -> Table:
+def variables_table(found: dict[str, Any]) -> Table:
+    """The variables of the reference and the best design."""
     table = Table(box=None, pad_edge=False)
     for column in ("variable", "reference", "best", "meaning"):
         table.add_column(column, justify="right" if column in ("reference", "best") else "left")
@@ -58,6 +60,25 @@ def _variables(found: dict[str, Any]) -> Table:
         name = variable["name"]
         cells = [readable(found[which] and found[which]["design"][name]) for which in ("reference", "best")]
         table.add_row(quantity_label(name, variable["unit"]), *cells, variable["meaning"])
+    return table
+
+
+def ranking_table(found: dict[str, Any]) -> Table:
+    """The candidates of a choice by rank: scalar, scores, objectives, and what else speaks for them."""
+    whose = [f"{row['stakeholder']}: " if row["stakeholder"] else "" for row in found["preferences"]]
+    columns = ["rank", "evaluation", found["scalariser"]]
+    columns += [f"{who}score {row['quantity']}" for who, row in zip(whose, found["preferences"], strict=True)]
+    columns += [quantity_label(q["name"], q["unit"]) for q in found["problem"]["objectives"]]
+    table = Table(box=None, pad_edge=False, title="ranking", title_justify="left")
+    for column in (*columns, "pseudo-weights"):
+        table.add_column(column, justify="right")
+    table.add_column("")
+    for candidate in found["ranking"]:
+        values = [candidate["scalar"], *candidate["scores"], *candidate["objectives"].values()]
+        weights = candidate["pseudo_weights"]
+        shown = ", ".join(f"{weight:.2f}" for weight in weights.values()) if weights else "–"
+        places = (str(candidate["rank"]), str(candidate["number"]))
+        table.add_row(*places, *map(readable, values), shown, candidate_marks(candidate))
     return table
 
 
