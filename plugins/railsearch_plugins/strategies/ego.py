@@ -1,0 +1,201 @@
+"""Strategy `ego`: efficient global optimisation, Kriging and expected improvement (Jones, Schonlau and Welch 1998).
+
+| symbol | meaning | shape | unit | source |
+|---|---|---|---|---|
+| x* | best design so far | (d,) | native | |
+| EI | expected improvement on the best value | (t,) | of f | Jones et al. 1998 |
+| σ | standard deviation of a perturbation of x*, σ₀ 2^−k with k = 0 … K | scalars | of the range | own choice |
+
+The largest EI is looked for among random designs and perturbations of x*; the best of them are polished by its gradient with
+the integers held, and with integers a branch and bound over −log EI joins in. A batch is made by the Kriging believer
+(Ginsbourger, Le Riche and Carraro 2010): each design joins the surrogate with its predicted value before the next is chosen.
+"""
+
+import copy
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+from scipy.optimize import minimize
+from scipy.spatial.distance import cdist
+
+from railsearch.errors import SurrogateError
+from railsearch.hookspecs import Register, hookimpl
+from railsearch.interfaces import Capabilities, Proposal, SearchContext, UncertainSurrogate, parameter
+from railsearch.sampling import random_designs
+from railsearch.space import FloatArray
+from railsearch_plugins.metric_search.candidates import perturbed
+from railsearch_plugins.metric_search.tree_search import tree_search
+from railsearch_plugins.surrogate_search.log_improvement import NegativeLogImprovement
+from railsearch_plugins.surrogate_search.models import ResponseModels, surrogate_maker, uncertain
+from railsearch_plugins.surrogate_search.search import SurrogateSearch, default_initial_size
+
+POLISHING_ITERATIONS = 30
+"""Limit of the quasi-Newton iterations from one start."""
+
+
+@dataclass(frozen=True)
+class EfficientGlobalOptimisationParameters:
+    """What can be set of the search."""
+
+    initial_size: int | None = parameter(
+        None,
+        meaning="designs before the search proper, the given ones included; if not given, max(20, 2(d + 1))",
+        source="level-crossing study, Shang et al. 2023",
+        minimum=1,
+    )
+    surrogate: str = parameter(
+        "kriging", meaning="name of the registered surrogate, one that has a deviation", source="Jones et al. 1998"
+    )
+    surrogate_settings: dict[str, object] | None = parameter(  # noqa: RUF009 - a field, not a value
+        None, meaning="parameters of the surrogate that differ from its defaults"
+    )
+    candidates_per_dimension: int = parameter(
+        100,
+        meaning="candidates per variable, half of them random and half near the best design",
+        source="own choice",
+        minimum=2,
+    )
+    maximum_candidates: int = parameter(
+        2000, meaning="upper limit of the number of candidates", source="own choice", minimum=2
+    )
+    perturbed_coordinates: float = parameter(
+        3.0,
+        meaning="coordinates of the best design perturbed on average, one at least",
+        source="own choice",
+        above=0.0,
+    )
+    sigma: float = parameter(
+        0.2,
+        meaning="largest standard deviation of a perturbation, as a fraction of the range of a variable",
+        source="Regis & Shoemaker 2013",
+        above=0.0,
+        maximum=1.0,
+    )
+    sigma_halvings: int = parameter(
+        5,
+        meaning="how often it is halved, perturbations being shared among all sizes",
+        source="own choice",
+        minimum=0,
+        maximum=50,
+    )
+    polished: int = parameter(3, meaning="candidates that are polished by the gradient", source="own choice", minimum=0)
+    tree_search_nodes: int = parameter(
+        20, meaning="upper limit of the relaxations solved in a branch and bound", source="own choice", minimum=0
+    )
+    minimum_distance: float = parameter(
+        1e-4,
+        meaning="nearer than this (unit cube) to an evaluated point nothing is proposed, and nothing joins the surrogate",
+        source="own choice: within it a Gaussian process without a nugget is badly determined",
+        minimum=1e-5,
+        below=1.0,
+    )
+
+
+class EfficientGlobalOptimisation(SurrogateSearch):
+    """Proposes where the expected improvement of an uncertain surrogate is largest."""
+
+    Parameters = EfficientGlobalOptimisationParameters
+    capabilities = Capabilities(integers=True, batch=True)
+
+    def __init__(self, context: SearchContext, parameters: EfficientGlobalOptimisationParameters) -> None:
+        size = parameters.initial_size or default_initial_size(context.space.dimension)
+        super().__init__(context, size, parameters.minimum_distance)
+        self._parameters = parameters
+        make = surrogate_maker(context, parameters.surrogate, parameters.surrogate_settings)
+        uncertain(make())
+        self._models = ResponseModels(make)
+
+    @property
+    def minimum_budget(self) -> int:
+        """The size of the initial design: with fewer evaluations there is no search."""
+        return self._initial_size
+
+    def _propose(self) -> list[Proposal]:
+        """Designs of largest expected improvement; none if the surrogate is not determined, or all is evaluated around."""
+        record, space = self._record, self._context.space
+        values = np.array([evaluation.objectives for evaluation in record.learnable])
+        if not len(values) or not self._models.refresh(record.points, values):
+            return []
+        surrogate = cast(UncertainSurrogate, self._models.surrogates[0])
+        incumbent = min(record.successes, key=lambda evaluation: float(evaluation.objectives[0]))
+        best, scale = float(incumbent.objectives[0]), float(np.ptp(values)) or 1.0
+        evaluated, proposals = space.to_unit(record.designs), list[Proposal]()
+        while proposal := self._best(NegativeLogImprovement(surrogate, best, scale), incumbent.design, evaluated):
+            proposals.append(proposal)
+            if len(proposals) == self._context.batch_size:
+                break
+            point = space.to_unit(proposal.design)[None, :]
+            believed = surrogate.predict(point)
+            surrogate = _believing(surrogate, point, believed)
+            evaluated, best = np.vstack([evaluated, point]), min(best, float(believed[0]))
+        return proposals
+
+    def _best(self, improvement: NegativeLogImprovement, incumbent: FloatArray, evaluated: FloatArray) -> Proposal | None:
+        """The design of largest expected improvement that is not too near to an evaluated point (n, d)."""
+        space = self._context.space
+        candidates = self._candidates(incumbent)
+        order = np.argsort(improvement.predict(space.to_unit(candidates)), kind="stable")
+        polished = [self._polished(improvement, candidates[k]) for k in order[: self._parameters.polished]]
+        designs = np.vstack([candidates, *polished])
+        n_polished = len(designs)
+        designs = np.vstack([designs, self._leaves(improvement, designs)])
+        points = space.to_unit(designs)
+        apart = np.flatnonzero(cdist(points, evaluated).min(axis=1) >= self._parameters.minimum_distance)
+        if not len(apart):
+            return None
+        k = int(apart[np.argmin(improvement.predict(points[apart]))])
+        return Proposal(designs[k], "expected-improvement" if k < n_polished else "tree-search")
+
+    def _candidates(self, incumbent: FloatArray) -> FloatArray:
+        """Random designs and perturbations (t, d) of the best design, of every step size as many."""
+        space, parameters, generator = self._context.space, self._parameters, self._context.generator
+        half = min(parameters.candidates_per_dimension * space.dimension, parameters.maximum_candidates) // 2
+        probability = min(parameters.perturbed_coordinates / space.dimension, 1.0)
+        share = -(-half // (parameters.sigma_halvings + 1))
+        sigmas = parameters.sigma * 0.5 ** np.arange(parameters.sigma_halvings + 1)
+        near = [perturbed(space, incumbent, sigma, probability, share, generator) for sigma in sigmas]
+        return np.vstack([random_designs(space, half, generator), *near])
+
+    def _polished(self, improvement: NegativeLogImprovement, design: FloatArray) -> FloatArray:
+        """The design (1, d) to which the gradient leads from a design (d,), its integers held."""
+        space = self._context.space
+        start = space.to_unit(design)
+        lower, upper = (np.where(space.integer, start, bound) for bound in (0.0, 1.0))
+
+        def value_and_gradient(point: FloatArray) -> tuple[float, FloatArray]:
+            row = point[None, :]
+            return float(improvement.predict(row)[0]), np.where(space.integer, 0.0, improvement.gradient(row)[0])
+
+        result = minimize(
+            value_and_gradient,
+            start,
+            jac=True,
+            method="L-BFGS-B",
+            bounds=np.column_stack([lower, upper]),
+            options={"maxiter": POLISHING_ITERATIONS},
+        )
+        return space.from_unit(np.clip(result.x, lower, upper))[None, :]
+
+    def _leaves(self, improvement: NegativeLogImprovement, designs: FloatArray) -> FloatArray:
+        """The integer designs (k, d) that a branch and bound meets; none without integers."""
+        space, nodes = self._context.space, self._parameters.tree_search_nodes
+        if not space.integer.any() or not nodes:
+            return np.empty((0, space.dimension))
+        return space.from_unit(tree_search(improvement, space, space.to_unit(designs), 1, nodes))
+
+
+def _believing(surrogate: UncertainSurrogate, points: FloatArray, values: FloatArray) -> UncertainSurrogate:
+    """A copy of the surrogate that believes its predictions (k,) at points (k, d); itself if they cannot be added."""
+    believing = copy.deepcopy(surrogate)
+    try:
+        believing.add(points, values)
+    except SurrogateError:
+        return surrogate
+    return believing
+
+
+@hookimpl
+def railsearch_strategies(register: Register) -> None:
+    """Register `ego`."""
+    register("ego", EfficientGlobalOptimisation)
