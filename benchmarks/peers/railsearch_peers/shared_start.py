@@ -19,6 +19,14 @@ from railsearch.plugin_manager import Registry, load_plugins
 from railsearch.sampling import initial_design
 from railsearch.space import FloatArray
 
+START_ORIGINS = ("given", "initial")
+"""How designs come about that every participant evaluates."""
+
+
+def start_size(dimension: int) -> int:
+    """How many designs the start has: max(20, 2(d + 1))."""
+    return max(20, 2 * (dimension + 1))
+
 
 class Searcher(Protocol):
     """What goes on from the start: it is told all of that before it is asked."""
@@ -45,7 +53,7 @@ class SharedStart:
     @property
     def minimum_budget(self) -> int:
         """The size of the start."""
-        return max(20, 2 * (self._context.space.dimension + 1))
+        return start_size(self._context.space.dimension)
 
     def ask(self) -> Sequence[Proposal]:
         """The next design of the start, then what the searcher proposes."""
