@@ -4,7 +4,9 @@ VENV := .venv
 BIN := $(VENV)/bin
 DEMO := demo-run
 POSTGRESQL := $(shell command -v initdb || ls /usr/lib/postgresql/*/bin/initdb 2>/dev/null)
-MARK := $(shell command -v chromium >/dev/null 2>&1 && test -n "$(POSTGRESQL)" || echo "not system")
+WITHOUT_SYSTEM := $(shell command -v chromium >/dev/null 2>&1 && test -n "$(POSTGRESQL)" || echo "not system")
+WITHOUT_TORCH = $(shell $(BIN)/python -c "import torch" 2>/dev/null || echo "not torch")
+MARK = $(WITHOUT_SYSTEM)$(if $(WITHOUT_SYSTEM),$(if $(WITHOUT_TORCH), and ))$(WITHOUT_TORCH)
 
 .PHONY: demo test lint benchmark clean
 
@@ -14,7 +16,7 @@ demo: $(VENV)/run.stamp
 
 test: $(VENV)/test.stamp lint
 	$(BIN)/pytest -n 2 --dist loadgroup -m "$(MARK)"
-	@test -z "$(MARK)" || $(BIN)/pytest --collect-only -q -m system 2>/dev/null | sed -n 's/^tests.*::/left out for want of Chromium or PostgreSQL: &/p'
+	@test -z "$(MARK)" || $(BIN)/pytest --collect-only -q -m "not ($(MARK))" 2>/dev/null | sed -n 's/^tests.*::/left out for want of Chromium, PostgreSQL or PyTorch: &/p'
 
 lint: $(VENV)/test.stamp
 	$(BIN)/ruff check .

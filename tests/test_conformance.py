@@ -6,23 +6,87 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
+from railsearch.errors import CapabilityError
 from railsearch.interfaces import Capabilities, Proposal, Quantity, Response, parameter
 from railsearch.plugin_manager import load_plugins
+from railsearch.run import MemoryRecord, RunSettings, make_strategy, run_search
 from railsearch.sampling import random_designs
 from railsearch.scalarise import augmented_chebyshev
 from railsearch.testing import check_scalariser, check_strategy, check_surrogate, check_track_model
 from railsearch_plugins.scalarisers.asf import AchievementScalarisingFunction
 from railsearch_plugins.strategies.random import RandomSearch
 from railsearch_plugins.surrogates.rbf import RadialBasisFunctionInterpolant
+from sample_problems import Sphere, TwoObjectives
 
 
 def registered(kind):
     return pytest.mark.parametrize("plugin", [pytest.param(e.plugin, id=e.name) for e in load_plugins().entries(kind)])
 
 
-@registered("strategy")
-def test_strategy(plugin):
-    check_strategy(plugin)
+SLOW = {"optuna-gp": 14}
+"""Budgets of the trials of strategies that are slow by their nature: their start and a few proposals of their model."""
+
+NEEDS_TORCH = ("optuna-gp",)
+
+every_strategy = pytest.mark.parametrize(
+    "entry",
+    [
+        pytest.param(e, id=e.name, marks=[pytest.mark.torch] if e.name in NEEDS_TORCH else [])
+        for e in load_plugins().entries("strategy")
+    ],
+)
+
+
+@every_strategy
+def test_strategy(entry):
+    check_strategy(entry.plugin, budget=SLOW.get(entry.name, 30))
+
+
+@every_strategy
+def test_a_run_begins_with_the_given_designs_and_ends_with_the_budget(entry):
+    budget = SLOW.get(entry.name, 30)
+    given = [np.zeros(4), np.array([1.5, -2.0, 3.0, 0.0])]
+    result = run_search(load_plugins(), Sphere(), RunSettings(entry.name, budget, 5), given)
+    assert [e.number for e in result.evaluations] == list(range(budget))
+    assert [e.origin == "given" for e in result.evaluations] == [True] * 2 + [False] * (budget - 2)
+    assert len({e.design.tobytes() for e in result.evaluations}) == budget
+
+
+@every_strategy
+def test_a_continued_run_is_the_run_that_was_not_interrupted(entry):
+    settings = RunSettings(entry.name, SLOW.get(entry.name, 30), 6)
+    whole = run_search(load_plugins(), Sphere(), settings, [np.zeros(4)])
+    record = MemoryRecord()
+    record.evaluations = list(whole.evaluations[: settings.budget // 2])
+    continued = run_search(load_plugins(), Sphere(), settings, [np.zeros(4)], record)
+    assert continued.replayed == settings.budget // 2
+    assert [e.design.tobytes() for e in continued.evaluations] == [e.design.tobytes() for e in whole.evaluations]
+
+
+@every_strategy
+def test_what_a_strategy_cannot_handle_is_refused_before_anything_is_evaluated(entry):
+    capabilities = entry.plugin.capabilities
+    demands = (
+        (capabilities.multi_objective, TwoObjectives(), 1, "handles one objective"),
+        (capabilities.integers, Sphere(), 1, "does not handle integer variables"),
+        (capabilities.constraints, OneConstraint(), 1, "does not handle constraints"),
+        (capabilities.batch, Sphere(), 3, "one design at a time"),
+    )
+    for capable, problem, batch_size, words in demands:
+        settings = RunSettings(entry.name, 40, 1, batch_size=batch_size)
+        if capable:
+            make_strategy(load_plugins(), problem, settings)
+        else:
+            with pytest.raises(CapabilityError, match=words):
+                make_strategy(load_plugins(), problem, settings)
+
+
+class OneConstraint(Sphere):
+    """A sphere with a constraint and one objective."""
+
+    def __init__(self):
+        super().__init__()
+        self.n_ieq_constr = 1
 
 
 @registered("surrogate")
@@ -135,6 +199,28 @@ class Overwriting(RandomSearch):
         evaluations[0].design[:] = 0.0
 
 
+class Fixated(Changed):
+    """Proposes a poor corner first and close to it ever after."""
+
+    def change(self, design):
+        space = self.context.space
+        return space.from_unit(1.0 - 1e-3 * space.to_unit(design))
+
+
+class Ending(RandomSearch):
+    """Falls over when everything is the same."""
+
+    def tell(self, evaluations):
+        values = np.array([evaluation.objectives for evaluation in evaluations if not evaluation.failed])
+        self.values = (
+            np.vstack([getattr(self, "values", np.empty((0, values.shape[-1]))), values])
+            if len(values)
+            else np.empty((0, 1))
+        )
+        if len(self.values) > 5 and np.ptp(self.values) == 0.0:
+            raise ZeroDivisionError("no spread")
+
+
 class Trusting(RandomSearch):
     def tell(self, evaluations):
         if any(np.isnan(evaluation.objectives).any() for evaluation in evaluations):
@@ -157,11 +243,18 @@ class Trusting(RandomSearch):
         (Counted, "trajectory must be an integer ≥ 0"),
         (Overwriting, "altered a design it was told"),
         (Trusting, "failed evaluation was not survived"),
+        (Fixated, "no better than"),
     ],
 )
 def test_a_strategy_at_fault_is_found(plugin, explanation):
     with pytest.raises(AssertionError, match=explanation):
         check_strategy(plugin)
+
+
+def test_an_error_says_in_which_trial():
+    with pytest.raises(ZeroDivisionError) as caught:
+        check_strategy(Ending)
+    assert "a constant objective" in caught.value.__notes__[0]
 
 
 def test_only_what_a_strategy_claims_is_asked_of_it():

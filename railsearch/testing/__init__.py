@@ -10,9 +10,10 @@ what is wrong. In the tests of a plugin package:
 """
 
 from railsearch.testing.scalarisers import check_scalariser
-from railsearch.testing.strategies import MIXED, REAL, Trial, check_strategy, run_trial
+from railsearch.testing.strategies import check_strategy
 from railsearch.testing.surrogates import check_surrogate
 from railsearch.testing.track_models import check_track_model
+from railsearch.testing.trials import MIXED, REAL, Trial, run_trial
 
 __all__ = [
     "MIXED",

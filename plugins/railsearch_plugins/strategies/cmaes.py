@@ -8,7 +8,7 @@ own treatment of integers: a lower bound of their standard deviations, and centr
 |---|---|---|
 | λ | designs per generation | scalar |
 | σ | step size; its start in units of the ranges | scalar |
-| z | coordinates of the search: reals between 0 and 1, integers in whole steps with half a step of margin | (d,) |
+| z | coordinates of the search: reals from 0 to 1, integers in whole steps | (d,), but (2,) where d = 1 |
 | v | violation of the constraints, Σ max(0, g) | (n,) |
 """
 
@@ -56,35 +56,32 @@ class CovarianceParameters:
 
 
 class Coordinates:
-    """The map between designs and the coordinates z in which `cma` searches."""
+    """The map between designs and the coordinates z in which `cma` searches.
+
+    A single variable gets a second coordinate that means nothing, since `cma` knows no covariance of a single one.
+    """
 
     def __init__(self, space: Space) -> None:
         self._space = space
-        self._margin = np.where(space.integer, 0.5, 0.0)
         self._origin = np.where(space.integer, 0.0, space.lower)
         self._unit = np.where(space.integer, 1.0, space.upper - space.lower)
+        self._padding = 1 if space.dimension == 1 else 0
 
     @property
-    def bounds(self) -> list[list[float]]:
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
         """Lower and upper bounds of z; every integer gets a cell of the same width."""
-        margin = self._margin * (1.0 - 1e-9)
-        return [self.of(self._space.lower - margin).tolist(), self.of(self._space.upper + margin).tolist()]
+        margin = np.where(self._space.integer, 0.5 - 1e-9, 0.0)
+        lower, upper = (self.of(designs) for designs in (self._space.lower - margin, self._space.upper + margin))
+        upper[self._space.dimension :] = 1.0
+        return lower, upper
 
-    @property
-    def ranges(self) -> FloatArray:
-        """The widths (d,) of the box."""
-        lower, upper = map(np.array, self.bounds)
-        widths: FloatArray = upper - lower
-        return widths
-
-    def of(self, designs: FloatArray) -> FloatArray:
-        """Coordinates (..., d) of designs (..., d)."""
-        z: FloatArray = (designs - self._origin) / self._unit
-        return z
+    def of(self, design: FloatArray) -> FloatArray:
+        """The coordinates z of a design (d,)."""
+        return np.append((design - self._origin) / self._unit, np.zeros(self._padding))
 
     def designs(self, z: FloatArray) -> FloatArray:
-        """Designs (..., d) at coordinates (..., d)."""
-        return self._space.rounded(self._origin + z * self._unit)
+        """Designs (n, d) at coordinates (n, d), or (n, 2) where d = 1."""
+        return self._space.rounded(self._origin + z[:, : self._space.dimension] * self._unit)
 
 
 class CovarianceGenerations:
@@ -141,10 +138,11 @@ class CovarianceGenerations:
         """A new evolution strategy whose mean is a design; stopped by what does not depend on the scale of the objective."""
         import cma
 
+        lower, upper = self._coordinates.bounds
         settings = {
             "popsize": self._size,
-            "bounds": self._coordinates.bounds,
-            "CMA_stds": self._coordinates.ranges.tolist(),
+            "bounds": [lower.tolist(), upper.tolist()],
+            "CMA_stds": (upper - lower).tolist(),
             "integer_variables": np.flatnonzero(self._context.space.integer).tolist(),
             "randn": lambda *shape: self._context.generator.standard_normal(shape),
             "seed": np.nan,
