@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import copy
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 import numpy as np
@@ -12,7 +13,7 @@ from pymoo.core.problem import Problem
 from pymoo.core.variable import Integer, Real
 
 from railsearch.errors import InputError
-from railsearch.interfaces import Evaluation, Host, Outcome, Quantity, Scalariser
+from railsearch.interfaces import Evaluation, Host, Outcome, Quantity, Responses, Scalariser
 from railsearch.space import FloatArray, Space
 
 if TYPE_CHECKING:
@@ -79,6 +80,25 @@ class DesignProblem(Problem):  # type: ignore[misc]
     def label(self) -> str:
         """Name and objectives, for titles and records."""
         return f"{self.name} ({', '.join(objective.name for objective in self.objectives)})"
+
+    @property
+    def exact_objectives(self) -> Mapping[str, Callable[[FloatArray], FloatArray]]:
+        """Objectives by name, (n,) from designs (n, d), that are known without a simulation; by default none."""
+        return {}
+
+    @property
+    def responses(self) -> Responses:
+        """What has to be simulated before the objectives are known: those of them that are not exact."""
+        exact = {k: self.exact_objectives[q.name] for k, q in enumerate(self.objectives) if q.name in self.exact_objectives}
+        expensive = [k for k in range(self.n_obj) if k not in exact]
+
+        def objectives(designs: FloatArray, values: FloatArray) -> FloatArray:
+            columns = dict(zip(expensive, values.T, strict=True)) | {k: known(designs) for k, known in exact.items()}
+            return np.column_stack([columns[k] for k in range(self.n_obj)])
+
+        return Responses(
+            tuple(self.objectives[k] for k in expensive), lambda evaluation: evaluation.objectives[expensive], objectives
+        )
 
     @abstractmethod
     def simulate(self, design: FloatArray) -> Outcome:
@@ -147,6 +167,19 @@ class ScalarisedProblem(DesignProblem):
         raw = {q.name: float(value) for q, value in zip(self.base.objectives, outcome.objectives, strict=True)}
         return Outcome(outcome.objectives, {**outcome.metrics, **raw}, outcome.constraints)
 
+    @property
+    def responses(self) -> Responses:
+        """Those of the base problem, scalarised."""
+        base = self.base.responses
+
+        def values(evaluation: Evaluation) -> FloatArray:
+            return base.values(replace(evaluation, objectives=self._raw(evaluation)))
+
+        def objectives(designs: FloatArray, values: FloatArray) -> FloatArray:
+            return np.asarray(self.scalariser(base.objectives(designs, values)), dtype=float)[:, None]
+
+        return Responses(base.quantities, values, objectives)
+
     def warm_up(self) -> None:
         """Warm the base problem up."""
         self.base.warm_up()
@@ -168,7 +201,10 @@ class ScalarisedProblem(DesignProblem):
 
     def replay(self, evaluation: Evaluation) -> None:
         """Prepare the scalariser from the stored raw objectives."""
-        self._prepare(evaluation.design, np.array([evaluation.metrics[q.name] for q in self.base.objectives]))
+        self._prepare(evaluation.design, self._raw(evaluation))
+
+    def _raw(self, evaluation: Evaluation) -> FloatArray:
+        return np.array([evaluation.metrics[quantity.name] for quantity in self.base.objectives])
 
     def _prepare(self, design: FloatArray, raw: FloatArray) -> None:
         if self.scalariser.ready:

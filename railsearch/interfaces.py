@@ -129,11 +129,35 @@ class UncertainSurrogate(Surrogate, Protocol):
 
 
 @dataclass(frozen=True)
+class Responses:
+    """The r expensive responses behind the objectives, for strategies that would rather model them than the objectives.
+
+    values: responses (r,) of an evaluation that did not fail; objectives: the objectives (n, m) that follow from designs
+    (n, d) and responses (n, r), with all that is known without a simulation: exact objectives, a scalariser.
+    """
+
+    quantities: tuple[Quantity, ...]
+    values: Callable[[Evaluation], FloatArray]
+    objectives: Callable[[FloatArray, FloatArray], FloatArray]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A number, other than a design, that a strategy has found and a user wants to see, for instance a surrogate's error."""
+
+    name: str
+    value: float
+    unit: str = ""
+    meaning: str = ""
+
+
+@dataclass(frozen=True)
 class SearchContext:
     """All that a strategy is given. `budget` counts every evaluation of the run, the given designs included.
 
     generator: the strategy's own randomness; initial_generator: for the initial design only; batch_size: how many
-    designs may be proposed at once; surrogate: makes a registered surrogate by name with settings.
+    designs may be proposed at once; surrogate: makes a registered surrogate by name with settings; responses: what the
+    objectives are made of, None where that is not known.
     """
 
     space: Space
@@ -144,6 +168,7 @@ class SearchContext:
     generator: np.random.Generator
     initial_generator: np.random.Generator
     surrogate: Callable[[str, Mapping[str, object]], Surrogate]
+    responses: Responses | None = None
 
 
 class Strategy(Protocol):
@@ -151,7 +176,8 @@ class Strategy(Protocol):
 
     The run evaluates the given designs first and tells them (origin `given`), so `tell` comes before the first `ask`
     when there are any, and may at any time bring designs that were not asked for, failed ones, and repeated ones.
-    A strategy that cannot begin with fewer evaluations than some number says so in an attribute `minimum_budget`.
+    A strategy that cannot begin with fewer evaluations than some number says so in an attribute `minimum_budget`; one that
+    finds more than designs has it in an attribute `findings`, a sequence of `Finding`, for results and reports.
     """
 
     Parameters: type

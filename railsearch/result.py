@@ -50,6 +50,7 @@ def result_document(registry: Registry, problem: DesignProblem, command: RunComm
         "front": [evaluation_document(problem, evaluation) for evaluation in front(result.evaluations)],
         "improvement": improvement(problem, reference, found),
         "preferences": preference_scores(stated_preferences(problem), problem, {"reference": reference, "best": found}),
+        "findings": [dataclasses.asdict(finding) | {"value": _finite(finding.value)} for finding in result.findings],
         "versions": versions(),
         "plugins": plugins_used(registry, identity),
         "seconds": sum(evaluation.duration + evaluation.overhead for evaluation in result.evaluations),

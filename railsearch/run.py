@@ -19,7 +19,7 @@ from railsearch.budget import BudgetedEvaluator
 from railsearch.design_problem import DesignProblem
 from railsearch.errors import CapabilityError, InputError
 from railsearch.indicators import non_dominated
-from railsearch.interfaces import Capabilities, Evaluation, Proposal, SearchContext, Strategy, Surrogate
+from railsearch.interfaces import Capabilities, Evaluation, Finding, Proposal, SearchContext, Strategy, Surrogate
 from railsearch.parameters import make_parameters
 from railsearch.plugin_manager import Registry
 from railsearch.seeding import run_generators
@@ -86,11 +86,12 @@ class RunSettings:
 
 @dataclass(frozen=True)
 class RunResult:
-    """The evaluations of a run in order, how many of them came from the record, and how many repeats were not charged."""
+    """The evaluations of a run in order, how many came from the record, how many repeats were not charged, and findings."""
 
     evaluations: tuple[Evaluation, ...]
     replayed: int
     repeats: int
+    findings: tuple[Finding, ...] = ()
 
     @property
     def failures(self) -> list[Evaluation]:
@@ -157,7 +158,8 @@ def search(
             strategy.tell(told)
         while not evaluator.exhausted:
             yield from _step(strategy, evaluator)
-    return RunResult(tuple(evaluator.evaluations), min(len(stored), evaluator.spent), evaluator.repeats)
+    findings = tuple(getattr(strategy, "findings", ()))
+    return RunResult(tuple(evaluator.evaluations), min(len(stored), evaluator.spent), evaluator.repeats, findings)
 
 
 def make_strategy(registry: Registry, problem: DesignProblem, settings: RunSettings, n_given: int = 0) -> Strategy:
@@ -175,6 +177,7 @@ def make_strategy(registry: Registry, problem: DesignProblem, settings: RunSetti
         generator=generators.strategy,
         initial_generator=generators.initial,
         surrogate=functools.partial(_surrogate, registry, problem.space.dimension),
+        responses=problem.responses,
     )
     strategy = cast(Strategy, plugin(context, parameters))
     needed = max(n_given, getattr(strategy, "minimum_budget", 1))

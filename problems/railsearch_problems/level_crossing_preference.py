@@ -186,6 +186,11 @@ class LevelCrossingPreferenceProblem(DesignProblem):
         """C_cap (n,) in € of designs (n, 6), without a simulation."""
         return construction_cost(designs[:, 0], designs[:, 1], self.prices)
 
+    @property
+    def exact_objectives(self) -> Mapping[str, Callable[[FloatArray], FloatArray]]:
+        """C_cap, in closed form."""
+        return {"C_cap": self.construction_cost}
+
     def parameters(self, design: FloatArray) -> Any:
         """The track model's parameters with the zone of a design (6,)."""
         spacing = float(design[0] / STEPS_PER_METRE)

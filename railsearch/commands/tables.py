@@ -17,6 +17,8 @@ def result_tables(found: dict[str, Any]) -> list[RenderableType]:
         tables.insert(1, preference_scores_table(found))
     if len(found["problem"]["objectives"]) > 1:
         tables.append(_front(found))
+    if found.get("findings"):
+        tables.append(_findings(found))
     return tables
 
 
@@ -91,6 +93,15 @@ def _front(found: dict[str, Any]) -> Table:
     for member in members[::step]:
         values = [*member["objectives"].values(), *member["design"].values()]
         table.add_row(str(member["number"]), *(readable(value) for value in values))
+    return table
+
+
+def _findings(found: dict[str, Any]) -> Table:
+    table = Table("finding", box=None, pad_edge=False)
+    table.add_column("value", justify="right")
+    table.add_column("meaning")
+    for finding in found["findings"]:
+        table.add_row(quantity_label(finding["name"], finding["unit"]), readable(finding["value"]), finding["meaning"])
     return table
 
 

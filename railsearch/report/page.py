@@ -36,6 +36,7 @@ def report_page(document: Mapping[str, Any], figures: Mapping[str, Figure]) -> s
         section("Result", quantities_table(document, _searched(document))),
         section("Design", variables_table(document)),
         *(picture(name, figure) for name, figure in figures.items()),
+        *([section("What the strategy found out", _findings(document))] if document.get("findings") else []),
         section("How the designs came about", _origins(document)),
         section("To repeat it", _provenance(document)),
     ]
@@ -78,6 +79,11 @@ def _front(document: Mapping[str, Any]) -> str:
     best = document["best"]
     which = f"<p>The best one above is evaluation {best['number']}: its worst objective is best.</p>" if best else ""
     return which + table(["evaluation", *titles], rows, numbers=range(len(titles) + 1))
+
+
+def _findings(document: Mapping[str, Any]) -> str:
+    rows = [[labelled(finding), readable(finding["value"]), finding["meaning"]] for finding in document["findings"]]
+    return table(["finding", "value", "meaning"], rows, numbers=(1,))
 
 
 def _origins(document: Mapping[str, Any]) -> str:
