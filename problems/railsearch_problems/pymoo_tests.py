@@ -139,9 +139,8 @@ def _stated(inner: Problem, what: str) -> FloatArray | None:
     """What pymoo states without a download and the same each time; None where it states nothing or fails to."""
     if "Remote" in getattr(type(inner), f"_calc_{what}").__code__.co_names:
         return None
-    stated: FloatArray
     try:
-        stated, again = (np.asarray(getattr(inner, what)(use_cache=False), dtype=float) for _ in range(2))
+        stated, again = (np.array(getattr(inner, what)(use_cache=False), dtype=float) for _ in range(2))
     except Exception:  # noqa: BLE001 - several of pymoo's problems fail here, each in its own way
         return None
     return stated if stated.size and np.isfinite(stated).all() and np.array_equal(stated, again) else None
