@@ -12,7 +12,7 @@ from railsearch_problems.level_crossing_figures.passage import Passage
 
 WIDTH, HEIGHT = 10.0, 4.7
 LEFT, RIGHT, BOTTOM, TOP = 0.85, 0.15, 0.8, 0.85
-GAP, RANGE_WIDTH = 0.2, 0.95
+GAP, RANGE_WIDTH, USUAL_DESIGNS = 0.2, 0.95, 2
 BEYOND_CROSSING = 8.0
 POSITION = "Position from the first interface [m]"
 SLAB = "#DCE6EE"
@@ -29,13 +29,14 @@ class PanelFigure:
 
 
 def new_panels(passages: Sequence[Passage], title: str, quantity: str) -> PanelFigure:
-    """An empty comparison with room for the ranges of all designs."""
-    figure = Figure(figsize=(WIDTH, HEIGHT))
+    """An empty comparison, wider where there are many designs, with room for the ranges of all of them."""
+    width = WIDTH + RANGE_WIDTH * max(0, len(passages) - USUAL_DESIGNS)
+    figure = Figure(figsize=(width, HEIGHT))
     beside = RANGE_WIDTH * max(len(passages), 2)
     bottom, height = BOTTOM / HEIGHT, 1.0 - (BOTTOM + TOP) / HEIGHT
-    curves = figure.add_axes((LEFT / WIDTH, bottom, 1.0 - (LEFT + GAP + beside + RIGHT) / WIDTH, height))
-    ranges = figure.add_axes((1.0 - (beside + RIGHT) / WIDTH, bottom, beside / WIDTH, height), sharey=curves)
-    figure.text(LEFT / WIDTH, 1.0 - 0.35 / HEIGHT, title, fontsize=TITLE, weight="bold")
+    curves = figure.add_axes((LEFT / width, bottom, 1.0 - (LEFT + GAP + beside + RIGHT) / width, height))
+    ranges = figure.add_axes((1.0 - (beside + RIGHT) / width, bottom, beside / width, height), sharey=curves)
+    figure.text(LEFT / width, 1.0 - 0.35 / HEIGHT, title, fontsize=TITLE, weight="bold")
     curves.set_xlabel(POSITION, fontsize=NORMAL)
     curves.set_ylabel(quantity, fontsize=NORMAL)
     for axes in (curves, ranges):
@@ -95,7 +96,7 @@ def finish(made: PanelFigure, site: Passage, limits: tuple[float, float], ranges
         handles,
         labels,
         loc="upper right",
-        bbox_to_anchor=(1.0 - RIGHT / WIDTH, 1.0 - 0.05 / HEIGHT),
+        bbox_to_anchor=(1.0 - RIGHT / made.figure.get_figwidth(), 1.0 - 0.05 / HEIGHT),
         ncols=len(labels),
         fontsize=SMALL,
         frameon=False,

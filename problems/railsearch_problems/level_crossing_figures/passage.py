@@ -18,8 +18,8 @@ from railsearch.interfaces import Response, TrackModel
 from railsearch.space import FloatArray
 
 # Okabe & Ito's colours for all kinds of colour vision, after a dark grey for the design compared with.
-COLOURS = ("#444444", "#D55E00", "#0072B2", "#009E73", "#CC79A7")
-MARKERS = ("o", "s", "^", "D", "v")
+COLOURS = ("#444444", "#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00")
+MARKERS = ("o", "s", "^", "D", "v", "P")
 KILO = 1e3
 MEGA = 1e6
 SAME_PLACE = 1e-9
