@@ -11,6 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from railsearch.errors import CapabilityError
 from railsearch.parameters import NoParameters, parameter
 from railsearch.space import FloatArray, Space, Variable
 
@@ -101,7 +102,12 @@ class Evaluation:
 
 
 class Surrogate(Protocol):
-    """A cheap model of an expensive function on the unit cube [0, 1]^d. Made as `cls(dimension, parameters)`."""
+    """A cheap model of an expensive function on the unit cube [0, 1]^d. Made as `cls(dimension, parameters)`.
+
+    One whose `add` does not give what a fit to all points gives says in an attribute `add_tolerance` by which fraction of
+    the spread of the values the predictions may differ. One that cannot carry out a method raises SurrogateError there
+    and names the method in an attribute `lacks`.
+    """
 
     Parameters: type
 
@@ -126,6 +132,19 @@ class UncertainSurrogate(Surrogate, Protocol):
 
     def deviation_gradient(self, points: FloatArray) -> FloatArray:
         """Derivatives (k, d) of the standard deviation at points (k, d)."""
+
+
+def lacking(surrogate: Surrogate, methods: Sequence[str]) -> list[str]:
+    """Those of the methods (`gradient`, `deviation`, `deviation_gradient`) that a surrogate cannot carry out."""
+    lacks = getattr(surrogate, "lacks", ())
+    return [method for method in methods if method in lacks or not hasattr(surrogate, method)]
+
+
+def require_methods(surrogate: Surrogate, name: str, methods: Sequence[str], purpose: str, remedy: str) -> None:
+    """Raise CapabilityError unless the surrogate called `name` has all methods that `purpose` needs."""
+    missing = lacking(surrogate, methods)
+    if missing:
+        raise CapabilityError(f"surrogate {name} has no {' and no '.join(missing)}, which {purpose} needs: {remedy}")
 
 
 @dataclass(frozen=True)

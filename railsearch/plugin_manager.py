@@ -19,6 +19,7 @@ import pluggy
 
 from railsearch import hookspecs
 from railsearch.errors import PluginError
+from railsearch.estimator_surrogate import estimator_surrogate
 from railsearch.interfaces import Surrogate, TrackModel
 from railsearch.parameters import make_parameters
 
@@ -117,12 +118,25 @@ class Registry:
         """The family `FAMILY:NAME` to which a name with a colon belongs."""
         return self._entries.get((kind, name.partition(":")[0] + FAMILY)) if ":" in name else None
 
+    def extended(self, kind: str, name: str, plugin: Any) -> "Registry":
+        """This registry and one plugin more, for a program of one's own. Raises PluginError if it is not of the kind."""
+        found: list[Entry] = []
+        _collector(kind, Provenance(plugin.__module__, "this program", ""), found)(name, plugin)
+        entries = dict(self._entries)
+        _add(entries, found[0])
+        return Registry(entries, self.warnings)
+
     def track_model(self, name: str) -> TrackModel:
         """A new track model."""
         return cast(TrackModel, self.get("track-model", name)())
 
     def surrogate(self, name: str, dimension: int, settings: Mapping[str, object]) -> Surrogate:
-        """A new surrogate for points of that dimension."""
+        """A new surrogate for points of that dimension, registered or a scikit-learn regressor by its dotted name.
+
+        Raises PluginError if it is unknown, InputError for settings that are not allowed.
+        """
+        if "." in name and ("surrogate", name) not in self._entries:
+            return estimator_surrogate(name, dimension, settings)
         plugin = self.get("surrogate", name)
         return cast(Surrogate, plugin(dimension, make_parameters(plugin.Parameters, settings, f"surrogate {name}")))
 

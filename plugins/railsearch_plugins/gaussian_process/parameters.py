@@ -30,7 +30,7 @@ class GaussianProcessParameters:
         above=0.0,
     )
     length_scale_bounds: tuple[float, ...] = parameter(
-        (0.01, 100.0),
+        (0.01, 20.0),
         meaning="shortest and longest length scale that may be estimated, as fractions of the range of a variable",
         source="own choice: beyond them a variable is noise or without effect",
         above=0.0,

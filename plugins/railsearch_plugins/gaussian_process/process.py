@@ -122,6 +122,11 @@ class GaussianProcess:
         residuals, _ = leave_one_out(self._state()[1])
         return self._scale * residuals
 
+    @property
+    def training_residuals(self) -> FloatArray:
+        """Residuals (n,): each value less the prediction there, (y − Fβ) − (R − ν I) α = ν α; zero without a nugget."""
+        return self._scale * self.hyperparameters.nugget * self._state()[1].weights
+
     def _checked_trend(self, points: FloatArray) -> FloatArray:
         trend = self._trend.values(points)
         n, p = trend.shape

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from railsearch.interfaces import Evaluation, Proposal, SearchContext, Surrogate
+from railsearch.interfaces import Evaluation, Proposal, SearchContext, Surrogate, require_methods
 from railsearch.sampling import initial_design, random_designs
 from railsearch.space import FloatArray
 
@@ -33,7 +33,7 @@ class MetricSearch:
         self._trajectory = Trajectory(0, context.budget, context.space.dimension, parameters)
         self._initial: list[FloatArray] = []
         self._evaluated: dict[bytes, FloatArray] = {}
-        self._new_surrogate()  # an unknown one is refused here, before anything is evaluated
+        self._check_surrogate()
 
     @property
     def minimum_budget(self) -> int:
@@ -127,6 +127,13 @@ class MetricSearch:
 
     def _initial_size(self) -> int:
         return min(self.minimum_budget, self._trajectory.budget)
+
+    def _check_surrogate(self) -> None:
+        """Refuse an unknown surrogate, and one without the gradient that a tree search needs, before any evaluation."""
+        surrogate = self._new_surrogate()
+        if self._parameters.tree_search and self._context.space.integer.any():
+            remedy = "set tree_search = false, or take a surrogate with a gradient, such as rbf or kriging"
+            require_methods(surrogate, self._parameters.surrogate, ["gradient"], "the tree search", remedy)
 
     def _new_surrogate(self) -> Surrogate:
         return self._context.surrogate(self._parameters.surrogate, self._parameters.surrogate_settings or {})

@@ -1,0 +1,148 @@
+"""The Gaussian process as a scikit-learn regressor, on inputs in any units."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from sklearn.base import BaseEstimator, RegressorMixin
+from sklearn.utils import check_random_state
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+from railsearch.errors import InputError
+from railsearch.parameters import make_parameters
+from railsearch.space import FloatArray
+
+from .parameters import GaussianProcessParameters
+from .process import GaussianProcess
+from .trend import DEGREES, PolynomialTrend, Trend
+
+
+class KrigingRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
+    """Gaussian process with a trend: prediction, standard deviation, gradients and leave-one-out error.
+
+    Parameters are those of `GaussianProcessParameters`; length scales and their bounds are fractions of the range that an
+    input has in the data. trend: `constant`, `linear`, `quadratic`, or any `Trend` on inputs in their own units.
+    random_state: of the starts of the optimisation.
+
+    After `fit`: `length_scales_` (d,) in the units of the inputs, `variance_` (of y²), `nugget_` and `nugget_added_` (0.0,
+    or what it took beyond the nugget asked for; see system.py), `loo_error`, `loo_residuals` and `errors`.
+    Source: Sacks et al. 1989; Dubrule 1983; Bachoc 2013.
+    """
+
+    def __init__(
+        self,
+        *,
+        trend: str | Trend = "constant",
+        correlation: str = "matern-5/2",
+        estimation: str = "maximum-likelihood",
+        length_scales: Sequence[float] | None = None,
+        length_scale_bounds: Sequence[float] = (0.01, 20.0),
+        nugget: float = 0.0,
+        estimate_nugget: bool = False,
+        starts: int = 5,
+        random_state: Any = 0,
+    ) -> None:
+        self.trend = trend
+        self.correlation = correlation
+        self.estimation = estimation
+        self.length_scales = length_scales
+        self.length_scale_bounds = length_scale_bounds
+        self.nugget = nugget
+        self.estimate_nugget = estimate_nugget
+        self.starts = starts
+        self.random_state = random_state
+
+    def fit(self, X: Any, y: Any) -> "KrigingRegressor":
+        """Fit to inputs X (n, d) with values y (n,).
+
+        Raises InputError for parameters that are not allowed, ValueError for data that scikit-learn refuses, SurrogateError
+        for too few points for the trend.
+        """
+        X, y = validate_data(self, X, y, dtype=float, y_numeric=True, ensure_min_samples=2)
+        self._lower = X.min(axis=0)
+        span = np.ptp(X, axis=0)
+        self._span = np.where(span > 0.0, span, 1.0)
+        self.process_ = GaussianProcess(self._made_trend(), self._checked_parameters())
+        seed = check_random_state(self.random_state).randint(2**31)
+        self._values = np.asarray(y, dtype=float)
+        self.process_.fit(self._scaled(X), self._values, np.random.default_rng(seed))
+        self.length_scales_ = self.process_.hyperparameters.length_scales * self._span
+        self.variance_ = self.process_.variance
+        self.nugget_ = self.process_.hyperparameters.nugget
+        self.nugget_added_ = self.process_.nugget_added
+        return self
+
+    def predict(self, X: Any, return_std: bool = False) -> FloatArray | tuple[FloatArray, FloatArray]:
+        """Predictions (k,) at inputs X (k, d), with their standard deviations (k,) if these are asked for."""
+        points = self._checked(X)
+        predicted = self.process_.predict(points)
+        return (predicted, self.process_.deviation(points)) if return_std else predicted
+
+    def gradient(self, X: Any) -> FloatArray:
+        """Derivatives (k, d) of the prediction at inputs X (k, d)."""
+        points = self._checked(X)
+        return self.process_.gradient(points) / self._span
+
+    def deviation_gradient(self, X: Any) -> FloatArray:
+        """Derivatives (k, d) of the standard deviation at inputs X (k, d)."""
+        points = self._checked(X)
+        return self.process_.deviation_gradient(points) / self._span
+
+    @property
+    def loo_residuals(self) -> FloatArray:
+        """Each value less its prediction from the others (n,), at the same length scales. Source: Dubrule 1983."""
+        check_is_fitted(self)
+        return self.process_.leave_one_out_residuals
+
+    @property
+    def loo_error(self) -> float:
+        """The mean square of the leave-one-out residuals as a fraction of the variance of y."""
+        return self._relative(self.loo_residuals)
+
+    @property
+    def errors(self) -> Mapping[str, float]:
+        """Mean squared errors as fractions of the variance of y: `training` at the points, `leave-one-out`."""
+        check_is_fitted(self)
+        return {"training": self._relative(self.process_.training_residuals), "leave-one-out": self.loo_error}
+
+    def _relative(self, residuals: FloatArray) -> float:
+        variance = float(np.var(self._values))
+        return float(np.mean(residuals**2)) / variance if variance > 0.0 else 0.0
+
+    def _checked(self, X: Any) -> FloatArray:
+        check_is_fitted(self)
+        return self._scaled(validate_data(self, X, dtype=float, reset=False))
+
+    def _scaled(self, X: FloatArray) -> FloatArray:
+        scaled: FloatArray = (X - self._lower) / self._span
+        return scaled
+
+    def _made_trend(self) -> Trend:
+        if not isinstance(self.trend, str):
+            return _TrendInUnits(self.trend, self._lower, self._span)
+        if self.trend not in DEGREES:
+            allowed = " or ".join(repr(name) for name in DEGREES)
+            raise InputError(f"KrigingRegressor.trend: allowed is {allowed} or a Trend, received {self.trend!r}")
+        return PolynomialTrend(DEGREES[self.trend])
+
+    def _checked_parameters(self) -> GaussianProcessParameters:
+        values = {key: value for key, value in self.get_params().items() if key not in ("trend", "random_state")}
+        for name in ("length_scales", "length_scale_bounds"):
+            if values[name] is not None:
+                values[name] = np.ravel(values[name]).tolist()
+        return make_parameters(GaussianProcessParameters, values, "KrigingRegressor")
+
+
+class _TrendInUnits:
+    """A trend on inputs x in their own units, for points (x − lower)/span."""
+
+    def __init__(self, trend: Trend, lower: FloatArray, span: FloatArray) -> None:
+        self._trend = trend
+        self._lower = lower
+        self._span = span
+
+    def values(self, points: FloatArray) -> FloatArray:
+        return self._trend.values(self._lower + self._span * points)
+
+    def gradient(self, points: FloatArray) -> FloatArray:
+        return self._trend.gradient(self._lower + self._span * points) * self._span[:, None]
