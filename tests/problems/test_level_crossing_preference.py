@@ -106,6 +106,8 @@ def test_the_reference_design_is_the_zone_of_the_site() -> None:
 def test_the_cost_is_known_without_a_simulation(problem: Any) -> None:
     designs = np.array([STUDY, UNEQUAL, problem.reference])
     assert problem.construction_cost(designs).tolist() == [9207.0, 2767.7 + 11 * 400.0 + 4 * 600.0, 9000.0]
+    assert list(problem.exact_objectives) == ["C_cap"]
+    assert problem.exact_objectives["C_cap"](designs).tolist() == problem.construction_cost(designs).tolist()
     simulated = [problem.simulate(design).metrics["C_cap"] for design in designs]
     assert simulated == problem.construction_cost(designs).tolist()
 
