@@ -152,7 +152,7 @@ def test_an_added_point_costs_no_factorisation_of_the_whole(monkeypatch):
 
     monkeypatch.setattr(rbf, "cholesky", watched_cholesky)
     monkeypatch.setattr(rbf, "lu_factor", refused)
-    monkeypatch.setattr(rbf, "qr", refused)
+    monkeypatch.setattr(rbf, "unisolvent_first", refused)
     allocations, storage = 0, model._factor
     for k in range(50, 200):
         model.add(points[k : k + 1], values[k : k + 1])

@@ -31,19 +31,20 @@ def perturbation_probability(n: int, n_initial: int, budget: int, p_initial: flo
 def perturbed(
     space: Space,
     incumbent: FloatArray,
-    sigma: float,
-    probability: float,
+    sigma: float | FloatArray,
+    probability: float | FloatArray,
     count: int,
     generator: np.random.Generator,
 ) -> FloatArray:
     """Candidates (count, d), in native units, around the incumbent (d,): σ N(0, 1) on the chosen coordinates.
 
-    Each coordinate is chosen with the given probability, one at least. Perturbations are fractions of the range, reflected
+    Each coordinate is chosen with the given probability, one at least; σ and the probability are those of all candidates, or
+    one for each (count,). Perturbations are fractions of the range, reflected
     at the bounds; a chosen integer moves by one step or more and is rounded.
     Source: Regis and Shoemaker 2013; integers: Müller 2016.
     """
     chosen = _chosen_coordinates(count, space.dimension, probability, generator)
-    steps = sigma * generator.standard_normal(chosen.shape)
+    steps = np.reshape(sigma, (-1, 1)) * generator.standard_normal(chosen.shape)
     moved = space.from_unit(reflected(space.to_unit(incumbent) + steps))
     moved = np.where(space.integer & (moved == incumbent), _one_step(space, incumbent, steps), moved)
     return np.where(chosen, moved, incumbent)
@@ -55,9 +56,11 @@ def reflected(points: FloatArray) -> FloatArray:
     return np.where(folded > 1.0, 2.0 - folded, folded)
 
 
-def _chosen_coordinates(count: int, dimension: int, probability: float, generator: np.random.Generator) -> NDArray[np.bool_]:
+def _chosen_coordinates(
+    count: int, dimension: int, probability: float | FloatArray, generator: np.random.Generator
+) -> NDArray[np.bool_]:
     """A mask (count, d) in which every row has one chosen coordinate at least."""
-    chosen: NDArray[np.bool_] = generator.random((count, dimension)) < probability
+    chosen: NDArray[np.bool_] = generator.random((count, dimension)) < np.reshape(probability, (-1, 1))
     fallback = generator.integers(dimension, size=count)
     idle = ~chosen.any(axis=1)
     chosen[idle, fallback[idle]] = True

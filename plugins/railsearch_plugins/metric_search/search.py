@@ -2,7 +2,7 @@
 
 import itertools
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from railsearch.interfaces import Evaluation, Proposal, SearchContext, Surrogate
 from railsearch.sampling import initial_design, random_designs
 from railsearch.space import FloatArray
 
+from .adaptive_model import AdaptiveModel
 from .candidates import perturbed
 from .merit import select
 from .parameters import MetricSearchParameters
@@ -34,6 +35,7 @@ class MetricSearch:
         self._initial: list[FloatArray] = []
         self._evaluated: dict[bytes, FloatArray] = {}
         self._check_surrogate()
+        self._model = self._new_model()
 
     @property
     def minimum_budget(self) -> int:
@@ -64,7 +66,7 @@ class MetricSearch:
         missing = self._initial_size() - trajectory.evaluations
         if not trajectory.searching and missing > 0:
             return self._sample(missing)
-        surrogate = trajectory.refresh(self._new_surrogate)
+        surrogate = self._model.refresh(trajectory.points, trajectory.values)
         if surrogate is None:
             return self._sample(self._context.batch_size)
         if not trajectory.searching:
@@ -79,17 +81,15 @@ class MetricSearch:
         n_perturbed = len(candidates)
         if parameters.tree_search and space.integer.any():
             candidates = np.vstack([candidates, self._leaves(surrogate, candidates)])
-        points = space.to_unit(candidates)
-        chosen = select(
-            points,
-            surrogate.predict(points),
-            space.to_unit(np.array(list(self._evaluated.values()))),
-            self._weights,
-            self._context.batch_size,
-            parameters.minimum_distance,
-        )
+        evaluated = space.to_unit(np.array(list(self._evaluated.values())))
+        chosen = self._chosen(surrogate, space.to_unit(candidates), evaluated)
         origins = ["perturbation" if k < n_perturbed else "tree-search" for k in chosen]
         return [Proposal(candidates[k], origin, self._trajectory.number) for k, origin in zip(chosen, origins, strict=True)]
+
+    def _chosen(self, surrogate: Surrogate, points: FloatArray, evaluated: FloatArray) -> list[int]:
+        """Indices of the candidates, points (t, d) of the unit cube, to evaluate next, none near evaluated ones (n, d)."""
+        weights, batch_size, distance = self._weights, self._context.batch_size, self._parameters.minimum_distance
+        return select(points, surrogate.predict(points), evaluated, weights, batch_size, distance)
 
     def _candidates(self) -> FloatArray:
         """Perturbations (t, d) of the incumbent."""
@@ -108,6 +108,7 @@ class MetricSearch:
         """Start afresh: earlier points stay out of the surrogate and are not proposed again."""
         left = self._context.budget - len(self._evaluated)
         self._trajectory = Trajectory(self._trajectory.number + 1, left, self._context.space.dimension, self._parameters)
+        self._model = self._new_model()
         return self._sample(self._initial_size())
 
     def _sample(self, count: int) -> list[Proposal]:
@@ -130,10 +131,16 @@ class MetricSearch:
 
     def _check_surrogate(self) -> None:
         """Refuse an unknown surrogate, and one without the gradient that a tree search needs, before any evaluation."""
-        surrogate = self._new_surrogate()
+        surrogate = self._new_surrogate({})
         if self._parameters.tree_search and self._context.space.integer.any():
             remedy = "set tree_search = false, or take a surrogate with a gradient, such as rbf or kriging"
             require_methods(surrogate, self._parameters.surrogate, ["gradient"], "the tree search", remedy)
 
-    def _new_surrogate(self) -> Surrogate:
-        return self._context.surrogate(self._parameters.surrogate, self._parameters.surrogate_settings or {})
+    def _new_model(self) -> AdaptiveModel:
+        """What the surrogate of a trajectory is kept in: here the surrogate of the objective as it is."""
+        return AdaptiveModel(self._new_surrogate)
+
+    def _new_surrogate(self, settings: Mapping[str, object]) -> Surrogate:
+        return self._context.surrogate(
+            self._parameters.surrogate, {**settings, **(self._parameters.surrogate_settings or {})}
+        )

@@ -1,12 +1,8 @@
 """What has been learnt since the last restart."""
 
-from collections.abc import Callable
-
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from railsearch.errors import SurrogateError
-from railsearch.interfaces import Surrogate
 from railsearch.space import FloatArray
 
 from .parameters import MetricSearchParameters
@@ -14,7 +10,7 @@ from .step_size import StepSize
 
 
 class Trajectory:
-    """The points, incumbent design, step size and surrogate of the search since a restart.
+    """The points, incumbent design and step size of the search since a restart.
 
     number: how many restarts came before; budget: how many evaluations were left when it started.
     """
@@ -26,7 +22,6 @@ class Trajectory:
         self.initial_size: int | None = None
         self.incumbent = np.full(dimension, np.nan)
         self.best_value = np.inf
-        self.surrogate: Surrogate | None = None
         self.step = StepSize(
             parameters.sigma_start,
             parameters.halvings_before_restart,
@@ -37,7 +32,6 @@ class Trajectory:
         self._parameters = parameters
         self._points: list[FloatArray] = []
         self._values: list[float] = []
-        self._fitted = 0
 
     @property
     def searching(self) -> bool:
@@ -48,6 +42,11 @@ class Trajectory:
     def points(self) -> FloatArray:
         """The points (n, d) that belong in the surrogate."""
         return np.array(self._points).reshape(-1, self._dimension)
+
+    @property
+    def values(self) -> FloatArray:
+        """The values (n,) at the points."""
+        return np.array(self._values)
 
     def begin_search(self) -> None:
         """Declare what has been evaluated so far the initial design."""
@@ -69,28 +68,6 @@ class Trajectory:
             self._values.append(learnt)
         if learnt < self.best_value:
             self.incumbent, self.best_value = design, learnt
-
-    def refresh(self, make: Callable[[], Surrogate]) -> Surrogate | None:
-        """The surrogate through all points so far; None if they do not determine it."""
-        try:
-            self._add_new_points()
-        except SurrogateError:
-            self.surrogate = None
-        if self.surrogate is None:
-            self._fit(make())
-        return self.surrogate
-
-    def _add_new_points(self) -> None:
-        if self.surrogate is not None and self._fitted < len(self._points):
-            self.surrogate.add(self.points[self._fitted :], np.array(self._values[self._fitted :]))
-            self._fitted = len(self._points)
-
-    def _fit(self, surrogate: Surrogate) -> None:
-        try:
-            surrogate.fit(self.points, np.array(self._values))
-        except SurrogateError:
-            return
-        self.surrogate, self._fitted = surrogate, len(self._points)
 
     def _improves(self, value: float) -> bool:
         return bool(value < self.best_value - self._parameters.improvement_threshold * abs(self.best_value))

@@ -12,29 +12,32 @@
 | B | the rows [P Φ(·, X₀)] of the remaining points | (n − m, 2m) | - | |
 | S | Schur complement s (Φ − B A₀⁻¹ Bᵀ), s the sign of the kernel | (n − m, n − m) | - | |
 | L | Cholesky factor of S | (n − m, n − m) | - | |
+| A | the whole matrix [[0, Pᵀ], [P, Φ]] | (n + m, n + m) | - | |
+| u | [p(x); φ(‖x − x_k‖)] at a point x | (n + m,) | - | Gutmann 2001 |
+| σ² | s fᵀλ/(n − m) | scalar | of f² | Gutmann 2001 |
+| ℓ | length scales: φ sees the points divided by them, the tail does not | (d,) | - | |
 
 The interpolant f̂(x) = Σ_k λ_k φ(‖x − x_k‖) + βᵀ p(x) solves [[Φ, P], [Pᵀ, 0]] [λ; β] = [f; 0]. With the tail and m
 unisolvent points eliminated first, what is left is S, positive definite because s φ is conditionally positive definite of
-the order of the tail. So a point more is a row more of L, at O(n²), and changed values cost two triangular solves.
+the order of the tail. So a point more is a row more of L, at O(n²), and changed values cost two triangular solves. The same
+factors give the power function s(φ(0) − uᵀA⁻¹u), which times σ² is the variance of the process behind the interpolant.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.linalg import LinAlgError, cholesky, lu_factor, lu_solve, qr, solve_triangular
+from scipy.linalg import LinAlgError, cholesky, lu_factor, lu_solve, solve_triangular
 from scipy.spatial.distance import cdist
 
-from railsearch.errors import SurrogateError
+from railsearch.errors import InputError, SurrogateError
 from railsearch.hookspecs import Register, hookimpl
 from railsearch.interfaces import parameter
 from railsearch.space import FloatArray
 
+from ..radial_basis.kernels import KERNELS, unisolvent_first
+
 CLOSEST = 1e-6
 """Points nearer to one another than this (unit cube) are duplicates: double precision cannot tell their kernels apart."""
-
-UNISOLVENCE_TOLERANCE = 1e-8
-"""Diagonal entries of the pivoted triangular factor of P below this fraction of the first count as zero."""
 
 
 @dataclass(frozen=True)
@@ -45,12 +48,18 @@ class RadialBasisFunctionParameters:
         "cubic",
         meaning="kernel; cubic and thin-plate carry a linear tail, linear a constant one",
         source="Regis & Shoemaker 2007",
-        choices=("cubic", "thin-plate", "linear"),
+        choices=tuple(KERNELS),
     )
     cap_above_median: bool = parameter(
         False,
         meaning="replace values above the median by the median before the fit",
         source="Björkman & Holmström 2000",
+    )
+    length_scales: tuple[float, ...] = parameter(
+        (),
+        meaning="by how much the kernel shrinks each variable, the tail none; if empty, 1 for all",
+        source="own choice: Regis & Shoemaker 2013 leave the unit cube as it is",
+        above=0.0,
     )
 
 
@@ -60,12 +69,17 @@ class RadialBasisFunctionInterpolant:
     Parameters = RadialBasisFunctionParameters
 
     def __init__(self, dimension: int, parameters: RadialBasisFunctionParameters) -> None:
+        scales = parameters.length_scales or (1.0,) * dimension
+        if len(scales) != dimension:
+            raise InputError(f"rbf: length_scales needs {dimension} numbers, one by variable, received {len(scales)}")
         self._dimension = dimension
         self._parameters = parameters
-        self._tail_size = 1 if parameters.kernel == "linear" else dimension + 1
-        self._sign = -1.0 if parameters.kernel == "linear" else 1.0
+        self._kernel = KERNELS[parameters.kernel]
+        self._tail_size = self._kernel.tail_size(dimension)
+        self._scales = np.array(scales)
         self._points = np.empty((0, dimension))
         self._values = np.empty(0)
+        self._order = np.empty(0, dtype=np.intp)
 
     def fit(self, points: FloatArray, values: FloatArray) -> None:
         """Fit to points X (n, d) of the unit cube with values f (n,).
@@ -74,8 +88,9 @@ class RadialBasisFunctionInterpolant:
         another, or values that are not finite.
         """
         points, values = self._checked(points, values)
-        order = _unisolvent_first(self._tail(points))
+        order = unisolvent_first(self._kernel.tail(points))
         leading, rest = order[: self._tail_size], order[self._tail_size :]
+        self._order = order
         self._start(points[leading], values[leading])
         try:
             self._extend(points[rest], values[rest])
@@ -87,30 +102,71 @@ class RadialBasisFunctionInterpolant:
         """Add points (k, d) with values (k,) to a fitted interpolant at O(k n²). Raises SurrogateError as `fit`."""
         self._check_fitted()
         self._extend(*self._checked(points, values))
+        self._order = np.append(self._order, np.arange(len(self._order), len(self._points)))
 
     def predict(self, points: FloatArray) -> FloatArray:
         """The interpolant f̂ (k,) at points (k, d)."""
         self._check_fitted()
         points = np.atleast_2d(points)
-        kernels: FloatArray = self._kernel(cdist(points, self._points))
-        predicted: FloatArray = kernels @ self._weights + self._tail(points) @ self._coefficients
+        predicted: FloatArray = self._kernels(points, self._points) @ self._weights
+        predicted += self._kernel.tail(points) @ self._coefficients
         return predicted
 
     def gradient(self, points: FloatArray) -> FloatArray:
-        """The derivatives (k, d) of f̂ at points (k, d): Σ_k λ_k φ′(r)/r (x − x_k) + b; kinks of a kernel give zero."""
+        """The derivatives (k, d) of f̂ at points (k, d): Σ_k λ_k φ′(r)/r (x − x_k)/ℓ² + b; kinks of a kernel give zero."""
         self._check_fitted()
-        points = np.atleast_2d(points)
-        slopes = self._kernel_slope(cdist(points, self._points)) * self._weights
-        gradient: FloatArray = slopes.sum(axis=1, keepdims=True) * points - slopes @ self._points
-        return gradient + (self._coefficients[:-1] if self._tail_size > 1 else 0.0)
+        return self._gradient(np.atleast_2d(points), self._weights, self._coefficients[None, :])
+
+    def deviation(self, points: FloatArray) -> FloatArray:
+        """Standard deviations (k,) at points (k, d): the square root of σ² s(φ(0) − uᵀA⁻¹u), zero at the points of the fit.
+
+        With as many points as tail functions there is nothing to tell σ² from, and all are zero.
+        Source: Gutmann 2001, Björkman and Holmström 2000 for the power function.
+        """
+        self._check_fitted()
+        share, _, _ = self._power(np.atleast_2d(points))
+        deviation: FloatArray = np.sqrt(self._variance() * share)
+        return deviation
+
+    def deviation_gradient(self, points: FloatArray) -> FloatArray:
+        """The derivatives (k, d) of the standard deviation at points (k, d); zero where it is zero, which is a kink."""
+        self._check_fitted()
+        points, m = np.atleast_2d(points), self._tail_size
+        share, first, half = self._power(points)
+        last = np.empty((0, len(points)))
+        if len(self._rows):
+            last = solve_triangular(self._triangle(), half, lower=True, trans="T")
+        leading = lu_solve(self._leading, self._rows.T @ last) - self._kernel.sign * first
+        slope = self._gradient(points, np.vstack([leading[m:], -last]).T, leading[:m].T)
+        root = np.sqrt(share)[:, None]
+        gradient: FloatArray = np.divide(slope, root, out=np.zeros_like(slope), where=root > 0.0)
+        gradient *= np.sqrt(self._variance())
+        return gradient
+
+    def leave_one_out_residuals(self) -> FloatArray:
+        """Residuals (n,) in the order of the points: each value less the interpolant of the others, λ_k/(A⁻¹)_kk.
+
+        Raises SurrogateError with as many points as tail functions, where no point can be spared. Source: Rippa 1999.
+        """
+        self._check_fitted()
+        m, size = self._tail_size, len(self._rows)
+        if not size:
+            raise SurrogateError(f"rbf: leaving one out needs more than the {m} points that determine the tail")
+        inverse = solve_triangular(self._triangle(), np.eye(size), lower=True)
+        block = lu_solve(self._leading, np.eye(2 * m))
+        leading = np.diagonal(block) + self._kernel.sign * np.sum((inverse @ self._rows @ block) ** 2, axis=0)
+        diagonal = np.concatenate([leading[m:], self._kernel.sign * np.sum(inverse**2, axis=0)])
+        residuals = np.empty(len(self._points))
+        residuals[self._order] = self._weights / diagonal
+        return residuals
 
     def _start(self, points: FloatArray, values: FloatArray) -> None:
         """Factorise the leading block A₀ of the m points that determine the tail."""
         m = self._tail_size
         block = np.zeros((2 * m, 2 * m))
-        block[m:, :m] = self._tail(points)
+        block[m:, :m] = self._kernel.tail(points)
         block[:m, m:] = block[m:, :m].T
-        block[m:, m:] = self._kernel(cdist(points, points))
+        block[m:, m:] = self._kernels(points, points)
         self._leading = lu_factor(block)
         self._points, self._values = points, values
         self._factor = np.empty((0, 0))
@@ -123,10 +179,10 @@ class RadialBasisFunctionInterpolant:
             return
         self._check_distances(points)
         m, size, total = self._tail_size, len(self._rows), len(self._rows) + len(points)
-        rows = np.hstack([self._tail(points), self._kernel(cdist(points, self._points[:m]))])
+        rows = np.hstack([self._kernel.tail(points), self._kernels(points, self._points[:m])])
         projected = lu_solve(self._leading, rows.T)
-        cross = self._sign * (self._kernel(cdist(self._points[m:], points)) - self._rows @ projected)
-        corner = self._sign * (self._kernel(cdist(points, points)) - rows @ projected)
+        cross = self._kernel.sign * (self._kernels(self._points[m:], points) - self._rows @ projected)
+        corner = self._kernel.sign * (self._kernels(points, points) - rows @ projected)
         below = solve_triangular(self._factor[:size, :size], cross, lower=True).T if size else cross.T
         try:
             last = cholesky(corner - below @ below.T, lower=True)
@@ -158,7 +214,7 @@ class RadialBasisFunctionInterpolant:
         rest = np.empty(0)
         if size:
             factor = self._factor[:size, :size]
-            reduced = self._sign * (values[m:] - self._rows @ lu_solve(self._leading, leading))
+            reduced = self._kernel.sign * (values[m:] - self._rows @ lu_solve(self._leading, leading))
             half = solve_triangular(factor, reduced, lower=True)
             rest = solve_triangular(factor, half, lower=True, trans="T")
         first = lu_solve(self._leading, leading - self._rows.T @ rest)
@@ -170,26 +226,39 @@ class RadialBasisFunctionInterpolant:
             return self._values
         return np.minimum(self._values, np.median(self._values))
 
-    def _tail(self, points: FloatArray) -> FloatArray:
-        ones = np.ones((len(points), 1))
-        return ones if self._tail_size == 1 else np.hstack([points, ones])
+    def _triangle(self) -> FloatArray:
+        """L (n − m, n − m)."""
+        size = len(self._rows)
+        triangle: FloatArray = self._factor[:size, :size]
+        return triangle
 
-    def _kernel(self, distances: FloatArray) -> FloatArray:
-        """φ(r)."""
-        if self._parameters.kernel == "cubic":
-            return distances * distances * distances
-        if self._parameters.kernel == "thin-plate":
-            return distances * distances * np.log(distances, out=np.zeros_like(distances), where=distances > 0.0)
-        return distances
+    def _variance(self) -> float:
+        """σ²."""
+        free = max(len(self._rows), 1)
+        return max(self._kernel.sign * float(self._fitted_values() @ self._weights) / free, 0.0)
 
-    def _kernel_slope(self, distances: FloatArray) -> FloatArray:
-        """φ′(r)/r."""
-        if self._parameters.kernel == "cubic":
-            return 3.0 * distances
-        apart = distances > 0.0
-        if self._parameters.kernel == "thin-plate":
-            return np.where(apart, 2.0 * np.log(distances, out=np.zeros_like(distances), where=apart) + 1.0, 0.0)
-        return np.divide(1.0, distances, out=np.zeros_like(distances), where=apart)
+    def _power(self, points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """s(φ(0) − uᵀA⁻¹u) (k,) at points (k, d), A₀⁻¹u₀ (2m, k), and L⁻¹ of what the leading points leave (n − m, k)."""
+        m = self._tail_size
+        leading = np.hstack([self._kernel.tail(points), self._kernels(points, self._points[:m])]).T
+        first = lu_solve(self._leading, leading)
+        half = np.empty((0, len(points)))
+        if len(self._rows):
+            rest = self._kernels(self._points[m:], points) - self._rows @ first
+            half = solve_triangular(self._triangle(), rest, lower=True)
+        share = -self._kernel.sign * np.sum(leading * first, axis=0) - np.sum(half * half, axis=0)
+        return np.maximum(share, 0.0), first, half
+
+    def _kernels(self, points: FloatArray, others: FloatArray) -> FloatArray:
+        """φ (k, j) between points (k, d) and others (j, d)."""
+        return self._kernel.value(cdist(points / self._scales, others / self._scales))
+
+    def _gradient(self, points: FloatArray, weights: FloatArray, coefficients: FloatArray) -> FloatArray:
+        """Derivatives (k, d) of Σ_j w_j φ_j + cᵀ p with weights w (n,) or (k, n) and coefficients c (1, m) or (k, m)."""
+        distances = cdist(points / self._scales, self._points / self._scales)
+        slopes = self._kernel.slope(distances) * weights
+        gradient: FloatArray = (slopes.sum(axis=1, keepdims=True) * points - slopes @ self._points) / self._scales**2
+        return gradient + (coefficients[:, :-1] if self._kernel.linear_tail else 0.0)
 
     def _check_fitted(self) -> None:
         if not len(self._points):
@@ -216,20 +285,6 @@ class RadialBasisFunctionInterpolant:
                 f"rbf: the points {points[new].tolist()} and {everything[old].tolist()} are {distances[new, old]:.1e} apart "
                 f"in the unit cube; at least {CLOSEST:g} is needed, leave one of them out"
             )
-
-
-def _unisolvent_first(tail: FloatArray) -> NDArray[np.intp]:
-    """An order of the points whose first m determine the tail P (n, m). Raises SurrogateError if none do."""
-    m = tail.shape[1]
-    triangle, order = qr(tail.T, mode="r", pivoting=True) if len(tail) else (np.empty((m, 0)), np.empty(0, dtype=int))
-    pivots = np.abs(np.diagonal(triangle))
-    rank = int(np.sum(pivots > UNISOLVENCE_TOLERANCE * pivots[:1]))
-    if rank < m:
-        raise SurrogateError(
-            f"rbf: {m} affinely independent points are needed to determine the tail, received {len(tail)} points of rank "
-            f"{rank}: add {m - rank} or more points off their common hyperplane"
-        )
-    return np.concatenate([order[:m], np.sort(order[m:])])
 
 
 @hookimpl

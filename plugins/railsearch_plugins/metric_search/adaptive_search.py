@@ -1,0 +1,162 @@
+"""Search by expected improvement, and by merit in turn, over perturbations of the incumbent of several kinds."""
+
+import copy
+import itertools
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+from scipy.spatial.distance import cdist
+
+from railsearch.errors import InputError, SurrogateError
+from railsearch.interfaces import SearchContext, Surrogate, UncertainSurrogate, parameter, require_methods
+from railsearch.space import FloatArray
+
+from .adaptive_model import Adaptation, AdaptiveModel
+from .candidates import perturbation_probability, perturbed
+from .expected_improvement import expected_improvement
+from .merit import merit
+from .parameters import DynamicCoordinateParameters
+from .search import MetricSearch
+from .trajectory import Trajectory
+from .transforms import TRANSFORMS
+
+IMPROVEMENT = "improvement"
+
+STEP_SIZES = (2.0, 1.0, 1.0, 0.5, 0.25, 0.125)
+"""Standard deviations of mixed perturbations in units of the trajectory's σ, each as likely."""
+
+NEGLIGIBLE = 1e-14
+"""Where no expected improvement exceeds this fraction of the spread of the values, the lowest prediction is taken."""
+
+
+@dataclass(frozen=True)
+class AdaptiveSearchParameters(DynamicCoordinateParameters):
+    """What can be set of a search by expected improvement among perturbations of the incumbent."""
+
+    cycle: tuple[str, ...] = parameter(
+        (IMPROVEMENT,),
+        meaning="what designs are chosen by in turn: 'improvement', or a weight of the surrogate value in the merit",
+        source="own choice",
+    )
+    transforms: tuple[str, ...] = parameter(
+        ("identity",),
+        meaning="transforms of the objective, chosen among by leave-one-out; the first one to begin with",
+        source="own choice",
+    )
+    adapt_length_scales: bool = parameter(
+        False, meaning="adapt the surrogate's length scales by leave-one-out residuals", source="own choice"
+    )
+    adapt_every: int = parameter(
+        10, meaning="evaluations after which transform and length scales are chosen again", source="own choice", minimum=1
+    )
+    mixed_perturbations: bool = parameter(
+        True,
+        meaning="perturb by several step sizes and numbers of coordinates at once; otherwise as dycors",
+        source="own choice: expected improvement picks among them",
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in self.transforms:
+            if name not in TRANSFORMS:
+                raise InputError(f"transforms: unknown '{name}'; there are {', '.join(TRANSFORMS)}")
+        if not self.transforms or not self.cycle:
+            raise InputError("transforms and cycle: one or more entries are needed, received an empty list")
+        for entry in self.cycle:
+            _check_entry(entry)
+
+
+class AdaptiveSearch(MetricSearch):
+    """DYCORS' trajectory, with candidates of several kinds, chosen by expected improvement or by merit in turn.
+
+    A batch is made by the Kriging believer (Ginsbourger, Le Riche and Carraro 2010): each design joins a copy of the
+    surrogate with its predicted value before the next is chosen.
+    """
+
+    _parameters: AdaptiveSearchParameters
+
+    def __init__(self, context: SearchContext, parameters: AdaptiveSearchParameters) -> None:
+        super().__init__(context, parameters)
+        self._cycle = itertools.cycle(parameters.cycle)
+        self._p_initial = min(parameters.perturbed_coordinates / context.space.dimension, 1.0)
+
+    def _probability(self, trajectory: Trajectory) -> float:
+        n_initial = trajectory.initial_size or 0
+        return perturbation_probability(trajectory.evaluations, n_initial, trajectory.budget, self._p_initial)
+
+    def _candidates(self) -> FloatArray:
+        """Perturbations (t, d) of the incumbent of several step sizes, half of them of p(n) d coordinates on average.
+
+        The rest are of two coordinates on average, and of any number.
+        """
+        if not self._parameters.mixed_perturbations:
+            return super()._candidates()
+        space, parameters, trajectory = self._context.space, self._parameters, self._trajectory
+        dimension, generator = space.dimension, self._context.generator
+        count = min(parameters.candidates_per_dimension * dimension, parameters.maximum_candidates)
+        probability = np.full(count, self._probability(trajectory))
+        quarter = count // 4
+        probability[:quarter] = min(2.0 / dimension, 1.0)
+        probability[quarter : 2 * quarter] = generator.uniform(1.0 / dimension, 1.0, quarter)
+        sigma = trajectory.step.sigma * generator.choice(STEP_SIZES, count)
+        return perturbed(space, trajectory.incumbent, sigma, probability, count, generator)
+
+    def _chosen(self, surrogate: Surrogate, points: FloatArray, evaluated: FloatArray) -> list[int]:
+        believer, best = cast(UncertainSurrogate, surrogate), float(np.min(self._model.values))
+        spread = float(np.ptp(self._model.values)) or 1.0
+        distances = cdist(points, evaluated).min(axis=1)
+        chosen: list[int] = []
+        while len(chosen) < self._context.batch_size:
+            admissible = np.flatnonzero(distances >= self._parameters.minimum_distance)
+            if not len(admissible):
+                break
+            scores = self._scores(believer, points[admissible], distances[admissible], best, spread)
+            chosen.append(int(admissible[np.argmin(scores)]))
+            point = points[chosen[-1:]]
+            distances = np.minimum(distances, cdist(points, point)[:, 0])
+            if len(chosen) < self._context.batch_size:
+                predicted = believer.predict(point)
+                believer, best = _believing(believer, point, predicted), min(best, float(predicted[0]))
+        return chosen
+
+    def _scores(
+        self, surrogate: UncertainSurrogate, points: FloatArray, distances: FloatArray, best: float, spread: float
+    ) -> FloatArray:
+        """What is minimised next, at points (t, d): the merit, or minus the expected improvement."""
+        values, entry = surrogate.predict(points), next(self._cycle)
+        if entry != IMPROVEMENT:
+            return merit(values, distances, float(entry))
+        improvement = expected_improvement(values, surrogate.deviation(points), best)
+        return values if improvement.max() <= NEGLIGIBLE * spread else -improvement
+
+    def _new_model(self) -> AdaptiveModel:
+        parameters = self._parameters
+        adaptation = Adaptation(parameters.transforms, parameters.adapt_length_scales, parameters.adapt_every)
+        return AdaptiveModel(self._new_surrogate, adaptation, self._context.generator)
+
+    def _check_surrogate(self) -> None:
+        super()._check_surrogate()
+        needed = ["deviation"] + ["leave_one_out_residuals"] * (len(self._parameters.transforms) > 1)
+        remedy = "take a surrogate that has them, such as rbf or kriging"
+        require_methods(self._new_surrogate({}), self._parameters.surrogate, needed, "expected improvement", remedy)
+
+
+def _believing(surrogate: UncertainSurrogate, points: FloatArray, values: FloatArray) -> UncertainSurrogate:
+    """A copy of the surrogate that believes its predictions (k,) at points (k, d); itself if they cannot be added."""
+    believing = copy.deepcopy(surrogate)
+    try:
+        believing.add(points, values)
+    except SurrogateError:
+        return surrogate
+    return believing
+
+
+def _check_entry(entry: str) -> None:
+    """Raise InputError for an entry of the cycle that is neither 'improvement' nor a weight."""
+    try:
+        sound = entry == IMPROVEMENT or 0.0 <= float(entry) <= 1.0
+    except ValueError:
+        sound = False
+    if not sound:
+        raise InputError(f"cycle: '{IMPROVEMENT}' or a weight from 0 to 1 is needed, received '{entry}'")

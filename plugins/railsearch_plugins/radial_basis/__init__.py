@@ -1,0 +1,1 @@
+"""Radial basis functions: kernels, and which points determine a polynomial tail."""
