@@ -134,5 +134,8 @@ def test_a_surrogate_without_deviation_is_refused_with_the_remedy():
     class Certain:
         """Says nothing about its deviation."""
 
-    with pytest.raises(CapabilityError, match="Certain has none; choose a surrogate with `deviation`, such as kriging"):
+    with pytest.raises(
+        CapabilityError,
+        match="has no gradient and no deviation and no deviation_gradient, which expected improvement needs: choose",
+    ):
         run_trial(EfficientGlobalOptimisation, Trial(LINE), surrogate=lambda name, dimension, settings: Certain())

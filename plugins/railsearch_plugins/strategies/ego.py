@@ -21,13 +21,20 @@ from scipy.spatial.distance import cdist
 
 from railsearch.errors import SurrogateError
 from railsearch.hookspecs import Register, hookimpl
-from railsearch.interfaces import Capabilities, Proposal, SearchContext, UncertainSurrogate, parameter
+from railsearch.interfaces import (
+    Capabilities,
+    Proposal,
+    SearchContext,
+    UncertainSurrogate,
+    parameter,
+    require_methods,
+)
 from railsearch.sampling import random_designs
 from railsearch.space import FloatArray
 from railsearch_plugins.metric_search.candidates import perturbed
 from railsearch_plugins.metric_search.tree_search import tree_search
 from railsearch_plugins.surrogate_search.log_improvement import NegativeLogImprovement
-from railsearch_plugins.surrogate_search.models import ResponseModels, surrogate_maker, uncertain
+from railsearch_plugins.surrogate_search.models import ResponseModels, surrogate_maker
 from railsearch_plugins.surrogate_search.search import SurrogateSearch, default_initial_size
 
 POLISHING_ITERATIONS = 30
@@ -103,8 +110,11 @@ class EfficientGlobalOptimisation(SurrogateSearch):
         super().__init__(context, size, parameters.minimum_distance)
         self._parameters = parameters
         make = surrogate_maker(context, parameters.surrogate, parameters.surrogate_settings)
-        uncertain(make())
-        self._models = ResponseModels(make)
+        methods = ("gradient", "deviation", "deviation_gradient")
+        require_methods(
+            make(), parameters.surrogate, methods, "expected improvement", "choose one that has, such as kriging"
+        )
+        self._models = ResponseModels([make])
 
     @property
     def minimum_budget(self) -> int:
@@ -115,7 +125,7 @@ class EfficientGlobalOptimisation(SurrogateSearch):
         """Designs of largest expected improvement; none if the surrogate is not determined, or all is evaluated around."""
         record, space = self._record, self._context.space
         values = np.array([evaluation.objectives for evaluation in record.learnable])
-        if not len(values) or not self._models.refresh(record.points, values):
+        if not len(values) or not self._models.refresh(record.points, values) or not self._models.surrogates:
             return []
         surrogate = cast(UncertainSurrogate, self._models.surrogates[0])
         incumbent = min(record.successes, key=lambda evaluation: float(evaluation.objectives[0]))

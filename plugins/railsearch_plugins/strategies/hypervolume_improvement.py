@@ -20,12 +20,12 @@ import numpy as np
 
 from railsearch.errors import InputError
 from railsearch.hookspecs import Register, hookimpl
-from railsearch.interfaces import Capabilities, Proposal, SearchContext, parameter
+from railsearch.interfaces import Capabilities, Proposal, SearchContext, parameter, require_methods
 from railsearch.space import FloatArray
 from railsearch_plugins.metric_search.candidates import perturbation_probability, perturbed
 from railsearch_plugins.surrogate_search.evolution import Evolution, evolved
 from railsearch_plugins.surrogate_search.front import Candidates, Front, best_of, front_of, select_by_gain
-from railsearch_plugins.surrogate_search.models import ResponseModels, surrogate_maker, uncertain
+from railsearch_plugins.surrogate_search.models import ResponseModels, surrogate_maker
 from railsearch_plugins.surrogate_search.search import SurrogateSearch, default_initial_size
 
 
@@ -119,8 +119,9 @@ class HypervolumeImprovementSearch(SurrogateSearch):
         self._parameters = parameters
         make = surrogate_maker(context, parameters.surrogate, parameters.surrogate_settings)
         if parameters.gain == "expected":
-            uncertain(make())
-        self._models = ResponseModels(make)
+            remedy = "choose one that has, such as kriging"
+            require_methods(make(), parameters.surrogate, ("deviation",), "expected improvement", remedy)
+        self._models = ResponseModels([make] * context.n_objectives)
         self._weights = itertools.cycle(parameters.weights)
         self._population = np.empty((0, context.space.dimension))
         self._evolved_at = -np.inf
@@ -180,7 +181,7 @@ class HypervolumeImprovementSearch(SurrogateSearch):
         if n - self._evolved_at >= parameters.evolution_interval:
             best = [evaluation.design for evaluation in best_of(self._record.successes)]
             first = np.unique(np.vstack([*best, self._population]), axis=0)
-            evolution = Evolution(parameters.evolution_size, parameters.evolution_generations)
+            evolution = Evolution(parameters.evolution_size, parameters.evolution_generations, parameters.minimum_distance)
             self._population = evolved(space, self._predicted, first, evolution, self._context.generator)
             self._evolved_at = n
         return self._population

@@ -14,10 +14,14 @@ Objectives = Callable[[FloatArray], FloatArray]
 
 @dataclass(frozen=True)
 class Evolution:
-    """How long and with how many designs evolution goes on; operators are those of Deb et al. 2002."""
+    """How long and with how many designs evolution goes on; operators are those of Deb et al. 2002.
+
+    distance: designs nearer than this to one another (unit cube) count as the same, so that a population stays spread.
+    """
 
     size: int
     generations: int
+    distance: float
     crossover_probability: float = 0.9
     crossover_eta: float = 15.0
     mutation_eta: float = 20.0
@@ -73,7 +77,9 @@ def _algorithm(space: Space, n_objectives: int, first: FloatArray, evolution: Ev
         crossover=SBX(prob=evolution.crossover_probability, eta=evolution.crossover_eta),
         mutation=PM(eta=evolution.mutation_eta),
         survival=FitnessSurvival() if single else RankAndCrowding(),
-        eliminate_duplicates=DefaultDuplicateElimination(),
+        eliminate_duplicates=DefaultDuplicateElimination(
+            func=lambda population: space.to_unit(population.get("X")), epsilon=evolution.distance
+        ),
         repair=Rounding(space),
         output=None,
     )
