@@ -130,7 +130,8 @@ class PymooProblem(DesignProblem):
         """With one objective the value at the stated optimum, which is more exact than the stated value."""
         optima = self.pareto_set()
         if self.n_obj == 1 and optima is not None:
-            return np.min([self.simulate(design).objectives for design in optima], axis=0, keepdims=True)
+            best: FloatArray = np.min([self.simulate(design).objectives for design in optima], axis=0, keepdims=True)
+            return best
         stated = _stated(self.inner, "pareto_front")
         return None if stated is None else stated.reshape(-1, self.n_obj)
 

@@ -115,13 +115,15 @@ def _check_parts(
     registry: Registry, settings: ProblemSettings, reference_point: Mapping[str, Any], where: str, faults: Faults
 ) -> None:
     """Note every section, name of an objective and setting of the scalariser that is not allowed."""
+    sound: dict[str, Any] = {}
     for section, values in settings.sections.items():
         with faults.gathered(where):
             checked_sections(registry, settings.name, {section: values}, "sections")
+            sound[section] = values
     if settings.scalariser is not None:
         with faults.gathered(where):
             all_settings(registry, "scalariser", settings.scalariser, settings.scalariser_settings)
-    plain = make_problem(registry, ProblemSettings(settings.name))
+    plain = make_problem(registry, ProblemSettings(settings.name, sections=sound))
     known = [quantity.name for quantity in plain.available_objectives or plain.objectives]
     fields = {"objectives": settings.objectives, "worst": settings.worst, "reference_point": reference_point}
     for field, names in fields.items():
