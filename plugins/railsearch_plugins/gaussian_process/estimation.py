@@ -6,6 +6,7 @@
 | σ̂² | (y − Fβ)ᵀR⁻¹(y − Fβ)/n | scalar | - | Sacks et al. 1989 |
 | e, q | leave-one-out residuals α/q, q = diag Q | (n,) | - | Dubrule 1983 |
 | M | derivative of a criterion by R: dc = tr(M dR) | (n, n) | - | |
+| τ, μ | standard deviation and mean log(√d/2) of log θ before the data | scalars | - | Hvarfner et al. 2024 |
 | D_r | squared differences (x_r − x'_r)² of the points | (n, n) | - | |
 
 Criteria, both free of the scale of y: maximum likelihood c = log σ̂² + log det R/n (β and σ² profiled out), and leave-one-out
@@ -14,7 +15,9 @@ c = log Σ e². With Q = R⁻¹ − R⁻¹F(FᵀR⁻¹F)⁻¹FᵀR⁻¹ and dQ =
     maximum likelihood  M = (R⁻¹ − ααᵀ/σ̂²)/n
     leave-one-out       M = 2 (Q diag(e²/q) Q − α sᵀ)/Σ e²,  s = Q (e/q)
 
-and, as ∂R/∂ log θ_r = g ∘ D_r/θ_r², the gradient Σ_ij M_ij g_ij D_r,ij/θ_r² takes one product of matrices for all r.
+and, as ∂R/∂ log θ_r = g ∘ D_r/θ_r², the gradient Σ_ij M_ij g_ij D_r,ij/θ_r² takes one product of matrices for all r. A prior
+of the length scales adds −2/n times its log-density, Σ (log θ − μ)²/(n τ²), so that few points do not tell variables apart
+by chance.
 """
 
 from collections.abc import Callable
@@ -171,7 +174,9 @@ def _minimised(
 
     def objective(eta: FloatArray) -> tuple[float, FloatArray]:
         value, by_scales, by_nugget = criterion(training, parameters, hyperparameters(eta))
-        return value, np.append(by_scales[:n_scales], [by_nugget] * nugget_free)
+        surprise, by_surprise = _surprise(eta[:n_scales], parameters.length_scale_prior)
+        gradient = by_scales[:n_scales] + by_surprise / training.size
+        return value + surprise / training.size, np.append(gradient, [by_nugget] * nugget_free)
 
     nuggets = [max(start.nugget, NUGGETS[0])] * nugget_free
     bounds = [parameters.length_scale_bounds] * n_scales + [NUGGETS] * nugget_free
@@ -184,3 +189,11 @@ def _minimised(
         options={"maxiter": ITERATIONS, "ftol": TOLERANCE},
     )
     return hyperparameters(result.x), float(result.fun)
+
+
+def _surprise(logarithms: FloatArray, deviation: float | None) -> tuple[float, FloatArray]:
+    """Σ (log θ − μ)²/τ² of length scales (d,) and its derivatives; zeros without a prior."""
+    if deviation is None or not len(logarithms):
+        return 0.0, np.zeros_like(logarithms)
+    standard = (logarithms - np.log(0.5 * np.sqrt(len(logarithms)))) / deviation
+    return float(standard @ standard), 2.0 * standard / deviation

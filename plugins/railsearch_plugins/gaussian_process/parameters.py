@@ -35,6 +35,12 @@ class GaussianProcessParameters:
         source="own choice: beyond them a variable is noise or without effect",
         above=0.0,
     )
+    length_scale_prior: float | None = parameter(
+        None,
+        meaning="standard deviation of log-normal length scales about √d/2 that the estimate weighs in; if not given, flat",
+        source="own choice; Hvarfner, Hellsten & Nardi 2024 for the growth with √d",
+        above=0.0,
+    )
     nugget: float = parameter(
         0.0,
         meaning="variance of independent noise in units of the process variance; 0 goes through every point",
