@@ -102,11 +102,13 @@ def pseudo_weights(objectives: FloatArray) -> FloatArray:
     They tell which objectives a design of the front serves; empty (0, m) where an objective does not vary. By pymoo.
     Source: Deb 2001.
     """
-    from pymoo.mcdm.pseudo_weights import PseudoWeights
-
     n_objectives = objectives.shape[1]
     if not np.all(np.ptp(objectives, axis=0) > 0.0):
         return np.empty((0, n_objectives))
+    with warnings.catch_warnings():
+        # The module imports from a deprecated place in scipy.
+        warnings.simplefilter("ignore", DeprecationWarning)
+        from pymoo.mcdm.pseudo_weights import PseudoWeights
     _, weights = PseudoWeights(np.full(n_objectives, 1.0 / n_objectives)).do(objectives, return_pseudo_weights=True)
     found: FloatArray = np.asarray(weights)
     return found
@@ -117,14 +119,14 @@ def high_trade_offs(objectives: FloatArray) -> list[int]:
 
     They are pymoo's `HighTradeoffPoints` of the objectives scaled to 0 … 1 over the front.
     """
-    from pymoo.mcdm.high_tradeoff import HighTradeoffPoints
-
     extent = np.ptp(objectives, axis=0)
     if len(objectives) < FEWEST_FOR_TRADE_OFF or not np.all(extent > 0.0):
         return []
-    # It divides by zero on purpose and changes the filters of warnings for the whole process.
     with warnings.catch_warnings():
+        # It divides by zero on purpose, changes the filters of the whole process, and imports from a deprecated place.
         warnings.simplefilter("ignore")
+        from pymoo.mcdm.high_tradeoff import HighTradeoffPoints
+
         found: NDArray[np.intp] | None = HighTradeoffPoints().do((objectives - objectives.min(axis=0)) / extent)
     return [] if found is None else [int(row) for row in found]
 

@@ -61,7 +61,9 @@ class PreferenceParameters:
     """Preference functions by objective name, as tables or as functions, and weights."""
 
     preferences: dict[str, Any] | None = parameter(  # noqa: RUF009 - a field, not a value
-        None, meaning="preference functions by objective name: tables with function, unit and the function's parameters"
+        None,
+        meaning="preference functions by objective name, for instance "
+        "{ E_max = { function = 'linear', unit = 'N·m', best = 0.1, worst = 1.4 } }; docs/preferences.md has all",
     )
     weights: dict[str, Any] | None = parameter(  # noqa: RUF009 - a field, not a value
         None, meaning="weights by objective name, 1 where none is given"

@@ -67,7 +67,7 @@ def _ranking(document: Mapping[str, Any]) -> str:
         "",
     ]
     rows = [_row(candidate, len(problem["objectives"])) for candidate in document["ranking"]]
-    return table(titles, rows, numbers=range(len(titles) - 1), marked=[True])
+    return table(titles, rows, numbers=range(len(titles)), marked=[True])
 
 
 def _row(candidate: Mapping[str, Any], n_objectives: int) -> list[object]:
