@@ -1,6 +1,6 @@
 """Scores, tables and figures of the peers benchmark, from the folders of its campaigns, finished or not.
 
-    python benchmarks/peers/evaluate.py peers-record peers-record-slow --out benchmarks/results/peers
+    python benchmarks/peers/evaluate.py record record-slow record-ours --out benchmarks/results/peers
 
 Writes cells.csv (one row a run), scores.json, tables.md and the figures, and keeps best_known.json beside this file: the
 best values ever found of problems whose optimum is not known.

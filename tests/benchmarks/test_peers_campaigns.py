@@ -17,7 +17,7 @@ from railsearch.plugin_manager import Registry
 from railsearch.problem_factory import ProblemSettings, make_problem
 
 PEERS = Path(__file__).resolve().parent.parent.parent / "benchmarks" / "peers"
-FAST, SLOW = PEERS / "campaign.toml", PEERS / "campaign_slow.toml"
+FAST, SLOW, OURS = (PEERS / f"{name}.toml" for name in ("campaign", "campaign_slow", "campaign_ours"))
 
 
 def peers(path: Path) -> dict[str, PeerParameters]:
@@ -26,8 +26,10 @@ def peers(path: Path) -> dict[str, PeerParameters]:
 
 
 def test_the_campaigns_pair_their_runs(registry: Registry) -> None:
-    fast, slow = load_campaign(registry, FAST), load_campaign(registry, SLOW)
-    assert (fast.seed, fast.budget, fast.repetitions, slow.repetitions) == (slow.seed, BUDGETS[-1], 15, 5)
+    fast, slow, ours = (load_campaign(registry, path) for path in (FAST, SLOW, OURS))
+    assert [campaign.repetitions for campaign in (fast, slow, ours)] == [15, 5, 15]
+    assert {(campaign.seed, campaign.budget) for campaign in (fast, slow, ours)} == {(fast.seed, BUDGETS[-1])}
+    assert ours.problems == fast.problems
     assert {REFERENCE, FLOOR} <= {strategy.label for strategy in fast.strategies}
     assert slow.problems == tuple(problem for problem in fast.problems if "-20" not in problem.label)
     assert len(fast.problems) == 21

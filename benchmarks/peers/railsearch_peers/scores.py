@@ -80,14 +80,14 @@ def scored(cells: Sequence[CellResult], best_known: Mapping[str, float]) -> dict
 
 
 def standings(cells: Sequence[CellResult], best_known: Mapping[str, float]) -> list[Standing]:
-    """All participants that have runs beside the reference, in the order of their ratio at the full budget."""
+    """All participants that have runs beside the reference, and itself, in the order of their ratio at the full budget."""
     scores = scored(cells, best_known)
     best = {cell.key: np.array(cell.best) for cell in cells}
-    names = sorted({strategy for _, strategy, _ in scores} - {REFERENCE})
-    pairs = {name: _pairs(scores, name) for name in names}
+    pairs = {name: _pairs(scores, name) for name in sorted({strategy for _, strategy, _ in scores})}
     pairs = {name: own for name, own in pairs.items() if own}
-    p_values = _signed_ranks(scores, pairs)
-    counts = _significant(best, pairs)
+    others = {name: own for name, own in pairs.items() if name != REFERENCE}
+    p_values = {REFERENCE: np.ones(len(BUDGETS)), **_signed_ranks(scores, others)}
+    counts = {REFERENCE: (0, 0), **_significant(best, others)}
     found = [_standing(name, own, scores, best, p_values[name], counts[name]) for name, own in pairs.items()]
     return sorted(found, key=lambda standing: standing.ratio[-1])
 

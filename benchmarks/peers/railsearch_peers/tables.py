@@ -42,7 +42,7 @@ def standings_table(standings: Sequence[Standing], cells: Sequence[CellResult]) 
         ]
         for standing in standings
     ]
-    return table(head, [*rows, [REFERENCE, *[""] * 6, _overhead(REFERENCE, cells)]])
+    return table(head, rows)
 
 
 def ranking_table(ranking: Ranking) -> str:
