@@ -1,10 +1,14 @@
 """Strategy `adaptive-kriging`: expected improvement of a Gaussian process among DYCORS' and other perturbations."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from railsearch.hookspecs import Register, hookimpl
-from railsearch.interfaces import Capabilities, parameter
+from railsearch.interfaces import Capabilities, Surrogate, parameter
 from railsearch_plugins.metric_search.adaptive_search import AdaptiveSearch, AdaptiveSearchParameters
+
+REGULARISED = {"length_scale_prior": 0.5, "starts": 2, "reoptimise_every": 5}
+"""Settings of kriging in a search: few points must not tell variables apart by chance."""
 
 
 @dataclass(frozen=True)
@@ -12,6 +16,10 @@ class AdaptiveKrigingParameters(AdaptiveSearchParameters):
     """What can be set of the search."""
 
     surrogate: str = parameter("kriging", meaning="name of the registered surrogate, one that has a deviation")
+    surrogate_settings: dict[str, object] | None = parameter(  # noqa: RUF009 - a field, not a value
+        None,
+        meaning="parameters of the surrogate; kriging has length_scale_prior = 0.5, starts = 2, reoptimise_every = 5 if not set",
+    )
     tree_search: bool = parameter(
         False, meaning="in problems with integers, enrich the candidates by branch and bound over the surrogate"
     )
@@ -22,6 +30,10 @@ class AdaptiveKrigingSearch(AdaptiveSearch):
 
     Parameters = AdaptiveKrigingParameters
     capabilities = Capabilities(integers=True, batch=True)
+
+    def _new_surrogate(self, settings: Mapping[str, object]) -> Surrogate:
+        defaults = REGULARISED if self._parameters.surrogate == "kriging" else {}
+        return super()._new_surrogate({**defaults, **settings})
 
 
 @hookimpl
