@@ -40,14 +40,12 @@ class OptunaStrategy(ABC, Generic[P]):
     """A sampler of Optuna asked and told design by design.
 
     requires: module and remedy, if the sampler needs something that railsearch does not install; ranks_failures: failed
-    evaluations are told as infeasible; repeats_count: the values of a repeated design are told again; adopts: designs that
-    were not asked for become members of the population.
+    evaluations are told as infeasible; repeats_count: the values of a repeated design are told again.
     """
 
     requires: ClassVar[tuple[str, str] | None] = None
     ranks_failures: ClassVar[bool] = False
     repeats_count: ClassVar[bool] = False
-    adopts: ClassVar[bool] = False
 
     def __init__(self, context: SearchContext, parameters: P) -> None:
         if self.requires and importlib.util.find_spec(self.requires[0]) is None:
@@ -116,29 +114,29 @@ class OptunaStrategy(ABC, Generic[P]):
         unseen = unseen_design(space, {*self._told, *self._waiting}, self._context.generator)
         return Proposal(random_designs(space, 1, self._context.generator)[0] if unseen is None else unseen, "random")
 
+    def _member(self, study: "Study", design: FloatArray) -> "Trial | None":
+        """A trial that makes a design which was not asked for a member of the population, if there is one."""
+        return None
+
     def _record(self, study: "Study", trial: "Trial | None", evaluation: Evaluation) -> None:
         """Tell the study an evaluation; without a trial it is one that was not asked for."""
         from optuna.trial import TrialState, create_trial
 
+        values = self._values(evaluation)
+        if trial is None and values is not None:
+            trial = self._member(study, evaluation.design)
         if trial is not None:
             self._finish(study, trial, evaluation)
             return
-        values = self._values(evaluation)
-        params = self._params(evaluation.design)
-        if values is None:
-            study.add_trial(create_trial(state=TrialState.FAIL, params=params, distributions=self._distributions))
-        elif self.adopts:
-            study.enqueue_trial(params)
-            self._finish(study, study.ask(self._distributions), evaluation)
-        else:
-            study.add_trial(
-                create_trial(
-                    values=values,
-                    params=params,
-                    distributions=self._distributions,
-                    constraints=self._constraints(evaluation),
-                )
+        study.add_trial(
+            create_trial(
+                state=TrialState.FAIL if values is None else TrialState.COMPLETE,
+                values=values,
+                params=self._params(evaluation.design),
+                distributions=self._distributions,
+                constraints=None if values is None else self._constraints(evaluation),
             )
+        )
 
     def _finish(self, study: "Study", trial: "Trial", evaluation: Evaluation) -> None:
         values = self._values(evaluation)

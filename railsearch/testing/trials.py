@@ -82,7 +82,7 @@ def played_trial(
 ) -> tuple[list[Evaluation], list[bytes]]:
     """The evaluations of `run_trial`, and the designs that the strategy proposed, as bytes."""
     try:
-        strategy = _strategy(plugin, settings or {}, surrogate or load_plugins().surrogate, trial)
+        strategy = _strategy(plugin, settings or {}, surrogate or _registered_surrogate, trial)
         with threadpool_limits(1):
             return _play(strategy, _Answers(trial, objective or partial(bowls, trial)), trial)
     except Exception as error:
@@ -180,6 +180,10 @@ def _strategy(plugin: Any, settings: Mapping[str, object], surrogate: MakeSurrog
     require(is_dataclass(parameters), "the Parameters of a strategy must be a frozen dataclass")
     strategy: Strategy = plugin(context, parameters)
     return strategy
+
+
+def _registered_surrogate(name: str, dimension: int, settings: Mapping[str, object]) -> Surrogate:
+    return load_plugins().surrogate(name, dimension, settings)
 
 
 def _check_proposals(proposals: Sequence[Proposal], trial: Trial) -> None:

@@ -12,6 +12,8 @@ from railsearch_plugins.optuna_study import OptunaStrategy
 
 if TYPE_CHECKING:
     from optuna.samplers import BaseSampler
+    from optuna.study import Study
+    from optuna.trial import Trial
 
 UNUSED = "(unused)"
 """A second variable for CMA-ES, which knows no covariance of a single one."""
@@ -136,7 +138,6 @@ class NonDominatedSortingGeneticAlgorithm(OptunaStrategy[GeneticParameters]):
     capabilities = Capabilities(multi_objective=True, integers=True, constraints=True, batch=True)
     ranks_failures = True
     repeats_count = True
-    adopts = True
 
     def _sampler(self, seed: int) -> "BaseSampler":
         from optuna.samplers import NSGAIISampler
@@ -147,6 +148,16 @@ class NonDominatedSortingGeneticAlgorithm(OptunaStrategy[GeneticParameters]):
             swapping_prob=self._parameters.swapping_probability,
             seed=seed,
         )
+
+    def _member(self, study: "Study", design: FloatArray) -> "Trial | None":
+        """A trial at the design; the sampler gives a generation only to trials that it has drawn, or when it is asked."""
+        from optuna.samplers import NSGAIISampler
+
+        study.enqueue_trial(self._params(design))
+        trial = study.ask(self._distributions)
+        assert isinstance(study.sampler, NSGAIISampler), "the sampler is the one made here"
+        study.sampler.get_trial_generation(study, study.get_trials(deepcopy=False)[trial.number])
+        return trial
 
 
 class RandomSampling(OptunaStrategy[NoParameters]):
