@@ -61,7 +61,7 @@ def record(origins: list[str], values: list[float]) -> CellRecord:
     n = len(origins)
     designs = np.random.default_rng(1).random((n, 3))
     nothing = np.empty((n, 0))
-    overheads = np.where(np.array(origins) == "initial", 100.0, 0.004)
+    overheads = np.array([0.004 if origin == "peer" else 100.0 for origin in origins])
     whole = np.zeros(n, dtype=np.int64)
     return CellRecord(
         {"seed": 11}, designs, np.array(values)[:, None], nothing, {}, origins, whole, [""] * n, np.ones(n), overheads
