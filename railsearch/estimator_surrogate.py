@@ -26,7 +26,7 @@ class EstimatorSurrogate:
     Made by `estimator_surrogate`, which finds the class and checks the settings.
     """
 
-    Parameters = NoParameters
+    Parameters: type = NoParameters
 
     def __init__(self, name: str, dimension: int, regressor: Any) -> None:
         self._name = name
