@@ -7,10 +7,12 @@ import pytest
 
 from railsearch.errors import CapabilityError
 from railsearch.indicators import hypervolume
+from railsearch.interfaces import Evaluation
 from railsearch.plugin_manager import load_plugins
 from railsearch.space import Space, Variable
 from railsearch.testing import Trial, run_trial
 from railsearch_plugins.strategies.hypervolume_improvement import HypervolumeImprovementSearch
+from railsearch_plugins.surrogate_search.front import Front, recent_gain
 
 SPACE = Space(tuple(Variable(f"x{k}", -2.0, 2.0) for k in range(5)))
 HALF = Space((*SPACE.variables[:3], Variable("k", -4.0, 4.0, integer=True), Variable("l", -4.0, 4.0, integer=True)))
@@ -57,3 +59,24 @@ def test_a_surrogate_without_deviation_is_refused_for_the_expected_gain():
             {"gain": "expected"},
             surrogate=lambda name, dimension, settings: Certain(),
         )
+
+
+def test_a_front_that_hardly_grows_is_left_for_a_new_start():
+    settings = {**QUICK, "restart_after": 10, "restart_gain": 0.9}
+    run = run_trial(HypervolumeImprovementSearch, Trial(HALF, 2, budget=120, seed=5), settings, objective=two_bowls)
+    origins = {number: [e.origin for e in run if e.trajectory == number] for number in range(3)}
+    # With 30 evaluations left there is no room for another start of 20 and a search.
+    assert [len(names) for names in origins.values()] == [30, 30, 60]
+    for names in origins.values():
+        assert names[:20] == ["initial"] * 20
+        assert set(names[20:]) <= {"perturbation", "evolution"}
+    assert len({HALF.key(e.design) for e in run}) == 120
+
+
+def test_the_gain_of_the_last_evaluations_is_their_part_of_the_volume():
+    objectives = np.array([[1.0, 3.0], [3.0, 1.0], [1.0, 1.0]])
+    told = [Evaluation(k, np.zeros(1), f, np.empty(0), {}, "given") for k, f in enumerate(objectives)]
+    front = Front(np.zeros((2, 1)), objectives[:2], np.array([1.0, 1.0]), np.array([2.0, 2.0]))
+    # Below (2, 2): 1 × 2 + 1 × 1 without the last one, 2 × 2 with it.
+    assert recent_gain(told, front, 1, margin=1.0) == pytest.approx(0.25)
+    assert recent_gain(told, front, 3, margin=1.0) == 1.0

@@ -86,9 +86,9 @@ class EfficientGlobalOptimisationParameters:
         minimum=0,
         maximum=50,
     )
-    polished: int = parameter(3, meaning="candidates that are polished by the gradient", source="own choice", minimum=0)
+    polished: int = parameter(2, meaning="candidates that are polished by the gradient", source="own choice", minimum=0)
     tree_search_nodes: int = parameter(
-        20, meaning="upper limit of the relaxations solved in a branch and bound", source="own choice", minimum=0
+        10, meaning="upper limit of the relaxations solved in a branch and bound", source="own choice", minimum=0
     )
     minimum_distance: float = parameter(
         1e-4,

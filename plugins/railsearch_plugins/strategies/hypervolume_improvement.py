@@ -10,7 +10,7 @@
 
 Candidates are perturbations of the front's designs and the designs of an NSGA-II on the surrogates, as in GOMORS (Akhtar and
 Shoemaker 2016); the choice by hypervolume is that of SMS-EGO and of expected hypervolume improvement (Ponweiser et al. 2008;
-Emmerich et al. 2011).
+Emmerich et al. 2011). A front that hardly grows any more is taken for a local one: the search starts afresh, as DYCORS does.
 """
 
 import itertools
@@ -20,11 +20,11 @@ import numpy as np
 
 from railsearch.errors import InputError
 from railsearch.hookspecs import Register, hookimpl
-from railsearch.interfaces import Capabilities, Proposal, SearchContext, parameter, require_methods
+from railsearch.interfaces import Capabilities, Evaluation, Proposal, SearchContext, parameter, require_methods
 from railsearch.space import FloatArray
 from railsearch_plugins.metric_search.candidates import perturbation_probability, perturbed
 from railsearch_plugins.surrogate_search.evolution import Evolution, evolved
-from railsearch_plugins.surrogate_search.front import Candidates, Front, best_of, front_of, select_by_gain
+from railsearch_plugins.surrogate_search.front import Candidates, Front, best_of, front_of, recent_gain, select_by_gain
 from railsearch_plugins.surrogate_search.models import ResponseModels, surrogate_maker
 from railsearch_plugins.surrogate_search.search import SurrogateSearch, default_initial_size
 
@@ -94,6 +94,19 @@ class HypervolumeImprovementParameters:
     )
     evolution_generations: int = parameter(20, meaning="generations for which it does", source="own choice", minimum=1)
     evolution_size: int = parameter(40, meaning="designs of its population", source="own choice", minimum=2)
+    restart_after: int = parameter(
+        40,
+        meaning="the search starts afresh, earlier designs left out of its surrogates, after so many that gain too little",
+        source="own choice",
+        minimum=1,
+    )
+    restart_gain: float = parameter(
+        5e-3,
+        meaning="what they must gain together, as a part of the hypervolume of the front since the last start",
+        source="own choice",
+        minimum=0.0,
+        below=1.0,
+    )
     minimum_distance: float = parameter(
         1e-3,
         meaning="nearer than this (unit cube) to an evaluated point nothing is proposed, and nothing joins the surrogates",
@@ -121,10 +134,9 @@ class HypervolumeImprovementSearch(SurrogateSearch):
         if parameters.gain == "expected":
             remedy = "choose one that has, such as kriging"
             require_methods(make(), parameters.surrogate, ("deviation",), "expected improvement", remedy)
-        self._models = ResponseModels([make] * context.n_objectives)
+        self._make = make
         self._weights = itertools.cycle(parameters.weights)
-        self._population = np.empty((0, context.space.dimension))
-        self._evolved_at = -np.inf
+        self._begin()
 
     @property
     def minimum_budget(self) -> int:
@@ -134,11 +146,14 @@ class HypervolumeImprovementSearch(SurrogateSearch):
     def _propose(self) -> list[Proposal]:
         """The candidates that gain most; none if they all lie too near to evaluated points, or nothing could be fitted."""
         record, space, parameters = self._record, self._context.space, self._parameters
-        values = np.array([evaluation.objectives for evaluation in record.learnable])
-        if not len(values) or not self._models.refresh(record.points, values):
+        learnable = record.learnable[self._learnable_before :]
+        values = np.array([evaluation.objectives for evaluation in learnable])
+        if not len(values) or not self._models.refresh(record.points[self._learnable_before :], values):
             return []
         promising = self._promising()
-        front = front_of(record.successes, self._predicted(promising))
+        front = front_of(self._successes, self._predicted(promising))
+        if self._stagnates(front):
+            return self._restart()
         designs = np.vstack([self._perturbations(front), promising])
         n_perturbed = len(designs) - len(promising)
         points = space.to_unit(designs)
@@ -151,7 +166,37 @@ class HypervolumeImprovementSearch(SurrogateSearch):
             parameters.minimum_distance,
             parameters.reference_margin,
         )
-        return [Proposal(designs[k], "perturbation" if k < n_perturbed else "evolution") for k in chosen]
+        origins = ["perturbation" if k < n_perturbed else "evolution" for k in chosen]
+        return [Proposal(designs[k], origin, self._trajectory) for k, origin in zip(chosen, origins, strict=True)]
+
+    @property
+    def _successes(self) -> list[Evaluation]:
+        """The successful evaluations since the last start."""
+        return self._record.successes[self._successes_before :]
+
+    def _begin(self) -> None:
+        """Forget what has been learnt; what has been evaluated is not proposed again."""
+        self._models = ResponseModels([self._make] * self._context.n_objectives)
+        self._population = np.empty((0, self._context.space.dimension))
+        self._evolved_at = -np.inf
+        self._begun_at = len(self._record.seen)
+        self._learnable_before, self._successes_before = len(self._record.learnable), len(self._record.successes)
+
+    def _stagnates(self, front: Front) -> bool:
+        """Whether the last designs of the search have gained too little, and the budget allows for another one."""
+        parameters, n = self._parameters, len(self._record.seen)
+        searched = n - self._begun_at - self._initial_size
+        if searched < parameters.restart_after or self._context.budget - n < 2 * self._initial_size:
+            return False
+        gain = recent_gain(self._successes, front, parameters.restart_after, parameters.reference_margin)
+        return gain < parameters.restart_gain
+
+    def _restart(self) -> list[Proposal]:
+        """Start afresh with another initial design."""
+        self._trajectory += 1
+        self._begin()
+        self._initial = self._sampled(self._initial_size)
+        return self._next_initial()
 
     def _candidates(self, points: FloatArray) -> Candidates:
         expected = self._parameters.gain == "expected"
@@ -162,9 +207,10 @@ class HypervolumeImprovementSearch(SurrogateSearch):
         context, parameters = self._context, self._parameters
         dimension, generator = context.space.dimension, context.generator
         total = min(parameters.candidates_per_dimension * dimension, parameters.maximum_candidates)
-        n = len(self._record.seen)
+        n = len(self._record.seen) - self._begun_at
         p_initial = min(parameters.perturbed_coordinates / dimension, 1.0)
-        probability = perturbation_probability(n, min(self._initial_size, n), context.budget, p_initial)
+        n_initial, left = min(self._initial_size, n), context.budget - self._begun_at
+        probability = perturbation_probability(n, n_initial, left, p_initial)
         parents = generator.integers(len(front.designs), size=parameters.parents)
         sigmas = parameters.sigma * 0.5 ** generator.integers(parameters.sigma_halvings + 1, size=parameters.parents)
         share = -(-total // parameters.parents)
@@ -179,7 +225,7 @@ class HypervolumeImprovementSearch(SurrogateSearch):
         """The last population (k, d) of an NSGA-II on the surrogates, which goes on with every few evaluations."""
         space, parameters, n = self._context.space, self._parameters, len(self._record.seen)
         if n - self._evolved_at >= parameters.evolution_interval:
-            best = [evaluation.design for evaluation in best_of(self._record.successes)]
+            best = [evaluation.design for evaluation in best_of(self._successes)]
             first = np.unique(np.vstack([*best, self._population]), axis=0)
             evolution = Evolution(parameters.evolution_size, parameters.evolution_generations, parameters.minimum_distance)
             self._population = evolved(space, self._predicted, first, evolution, self._context.generator)

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from railsearch.indicators import non_dominated
+from railsearch.indicators import hypervolume, non_dominated
 from railsearch.interfaces import Evaluation
 from railsearch.space import FloatArray
 from railsearch_plugins.metric_search.merit import merit
@@ -55,6 +55,13 @@ def front_of(evaluations: Sequence[Evaluation], predicted: FloatArray) -> Front:
     reached, everything = np.ptp(both, axis=0), np.ptp([evaluation.objectives for evaluation in evaluations], axis=0)
     ranges = np.where(reached > 0.0, reached, np.where(everything > 0.0, everything, 1.0))
     return Front(np.array([evaluation.design for evaluation in best]), objectives, both.min(axis=0), ranges)
+
+
+def recent_gain(evaluations: Sequence[Evaluation], front: Front, count: int, margin: float) -> float:
+    """The part of the front's hypervolume, below 1 + margin of the scale, that the last `count` evaluations have brought."""
+    objectives = front.scaled(np.array([evaluation.objectives for evaluation in evaluations]))
+    reference = np.full(objectives.shape[1], 1.0 + margin)
+    return 1.0 - hypervolume(objectives[:-count], reference) / hypervolume(objectives, reference)
 
 
 @dataclass(frozen=True)

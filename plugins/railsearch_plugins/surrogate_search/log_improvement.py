@@ -38,6 +38,7 @@ class NegativeLogImprovement:
         self._surrogate = surrogate
         self._best = best
         self._least = SMALLEST * scale
+        self._last: tuple[FloatArray, FloatArray, FloatArray] | None = None
 
     def predict(self, points: FloatArray) -> FloatArray:
         """−log EI (k,) at points (k, d)."""
@@ -53,9 +54,12 @@ class NegativeLogImprovement:
         return slope / deviations[:, None]
 
     def _standardised(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """The pair z, s."""
-        deviations = np.maximum(self._surrogate.deviation(points), self._least)
-        return (self._best - self._surrogate.predict(points)) / deviations, deviations
+        """The pair z, s; that of the last points is kept, since a descent asks for value and gradient at the same one."""
+        if self._last is None or not np.array_equal(self._last[0], points):
+            deviations = np.maximum(self._surrogate.deviation(points), self._least)
+            z = (self._best - self._surrogate.predict(points)) / deviations
+            self._last = points.copy(), z, deviations
+        return self._last[1], self._last[2]
 
 
 def _terms(z: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -22,17 +22,18 @@ class SurrogateSearch:
         self._record = EvaluationRecord(context.space, minimum_distance)
         self._initial_size = initial_size
         self._initial: list[FloatArray] = []
+        self._trajectory = 0
 
     def ask(self) -> Sequence[Proposal]:
         """Initial designs as long as there are any, then those of the search proper."""
         missing = min(self._initial_size, self._context.budget) - len(self._record.seen)
         if not self._initial and missing > 0:
             self._initial = self._sampled(missing)
-        if not self._initial:
-            return self._propose() or [Proposal(design, "random") for design in self._sampled(self._context.batch_size)]
-        size = self._context.batch_size
-        batch, self._initial = self._initial[:size], self._initial[size:]
-        return [Proposal(design, "initial") for design in batch]
+        if self._initial:
+            return self._next_initial()
+        return self._propose() or [
+            Proposal(design, "random", self._trajectory) for design in self._sampled(self._context.batch_size)
+        ]
 
     def tell(self, evaluations: Sequence[Evaluation]) -> None:
         """Take in evaluations in their order, asked for or not, failed ones and repeated ones."""
@@ -41,6 +42,11 @@ class SurrogateSearch:
     @abstractmethod
     def _propose(self) -> list[Proposal]:
         """Up to a batch of designs that have not been evaluated; an empty list if there is no telling."""
+
+    def _next_initial(self) -> list[Proposal]:
+        size = self._context.batch_size
+        batch, self._initial = self._initial[:size], self._initial[size:]
+        return [Proposal(design, "initial", self._trajectory) for design in batch]
 
     def _sampled(self, count: int) -> list[FloatArray]:
         """Designs of a symmetric Latin hypercube, none of them seen; a random one if every design has been seen."""
