@@ -4,11 +4,14 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from pymoo.core.algorithm import Algorithm
+
     from railsearch.design_problem import DesignProblem
     from railsearch.pymoo_algorithm import StrategyAlgorithm
+    from railsearch.pymoo_generations import PymooStrategy
     from railsearch.space import FloatArray
 
-__all__ = ["algorithm", "problem"]
+__all__ = ["algorithm", "problem", "pymoo_strategy"]
 
 
 def problem(
@@ -48,3 +51,20 @@ def algorithm(
     registry = load_plugins()
     registry.entry("strategy", strategy)
     return StrategyAlgorithm(registry, strategy, budget, settings, given)
+
+
+def pymoo_strategy(
+    algorithm: "Algorithm", multi_objective: bool | None = None, constraints: bool = True
+) -> "type[PymooStrategy]":
+    """A strategy class that searches with copies of a pymoo `Algorithm` instance, to be registered under a name.
+
+    In a plugin: `register("my-nsga2", railsearch.pymoo_strategy(NSGA2(pop_size=40)))`; in a program of one's own:
+    `run_search(load_plugins().extended("strategy", "my-nsga2", …), …)`. The budget takes the place of the algorithm's
+    termination, the run's seed that of its own; integers are rounded; given designs take the place of the first members of
+    its first population. multi_objective: whether it handles several objectives; by default, whether pymoo keeps it among
+    its multi-objective algorithms; constraints: whether it handles constraints (MOEA/D of pymoo does not). Raises InputError
+    for anything but an instance that has not been used.
+    """
+    from railsearch.pymoo_generations import strategy_from_algorithm
+
+    return strategy_from_algorithm(algorithm, multi_objective, constraints)

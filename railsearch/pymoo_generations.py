@@ -10,10 +10,12 @@ from typing import Any
 
 import numpy as np
 from pymoo.core.algorithm import Algorithm
+from pymoo.core.individual import Individual
+from pymoo.core.population import Population
 from pymoo.core.problem import Problem
-from pymoo.core.termination import NoTermination
 from pymoo.core.variable import Integer, Real
 from pymoo.problems.static import StaticProblem
+from pymoo.termination.max_eval import MaximumFunctionCallTermination
 
 from railsearch.errors import InputError, PluginError
 from railsearch.generations import GenerationalStrategy
@@ -28,17 +30,19 @@ MakeAlgorithm = Callable[[FloatArray], Algorithm]
 class PymooGenerations:
     """The generations of a pymoo algorithm, driven through its ask and tell.
 
-    Its own termination is not asked: the budget ends a run. An algorithm that cannot go on (a genetic one that finds no new
-    offspring, a local search that has converged) is made again with another seed.
+    The budget takes the place of its termination. An algorithm that cannot go on (a genetic one that finds no new offspring,
+    a local search that has converged) is made again with another seed. constrained: whether it can be told of constraints;
+    if not, failed evaluations have the worst values and nothing more.
     """
 
-    def __init__(self, context: SearchContext, make: MakeAlgorithm) -> None:
+    def __init__(self, context: SearchContext, make: MakeAlgorithm, constrained: bool = True) -> None:
         self.origin = "initial"
         self.trajectory = 0
         self.algorithm: Any = None
         self._context = context
         self._make = make
-        self._population: Any = None
+        self._n_constraints = context.n_constraints + 1 if constrained else 0
+        self._infills: Any = None
         self._randomness: LentGlobalGenerator | None = None
 
     def first(self, known: FloatArray) -> FloatArray:
@@ -47,10 +51,8 @@ class PymooGenerations:
         self._randomness = LentGlobalGenerator(seed)
         with self._randomness.lent():
             self.algorithm = self._make(known)
-            self.algorithm.termination = NoTermination()
-            self.algorithm.output = None
-            self.algorithm.setup(_Box(self._context, type(self.algorithm).__name__), seed=seed)
-            self._population = self.algorithm.ask()
+            self._set_up(seed)
+            self._infills = self.algorithm.ask()
         designs = self._designs()
         shared = min(len(known), len(designs))
         designs[:shared] = known[:shared]
@@ -60,34 +62,49 @@ class PymooGenerations:
     def advance(self, designs: FloatArray, objectives: FloatArray, constraints: FloatArray) -> FloatArray:
         """Tell the algorithm the values of its population and ask for the next one."""
         assert self._randomness is not None, "the first generation comes first"
-        for individual, design in zip(self._population, designs, strict=True):
-            individual.X = self._native(design) if isinstance(individual.X, dict) else design.copy()
+        population = self._population()
+        for individual, design in zip(population, designs, strict=True):
+            individual.X = self._context.space.named(design) if isinstance(individual.X, dict) else design.copy()
+        new = [row for row, individual in enumerate(population) if not individual.evaluated]
         with self._randomness.lent():
-            static = StaticProblem(self.algorithm.problem, F=objectives, G=constraints)
-            self.algorithm.evaluator.eval(static, self._population)
-            self.algorithm.tell(infills=self._population)
-            self._population = None if self.algorithm.termination.force_termination else self.algorithm.ask()
-        if self._population is None or len(self._population) == 0:
+            static = StaticProblem(self.algorithm.problem, F=objectives[new], G=constraints[new][:, : self._n_constraints])
+            self.algorithm.evaluator.eval(static, population[new])
+            self.algorithm.tell(infills=self._infills)
+            self._infills = None if self.algorithm.termination.force_termination else self.algorithm.ask()
+        if self._infills is None or len(self._population()) == 0:
             self.trajectory += 1
             return self.first(np.empty((0, self._context.space.dimension)))
         self.origin = "offspring"
         return self._designs()
 
+    def _set_up(self, seed: int) -> None:
+        name = type(self.algorithm).__name__
+        self.algorithm.termination = MaximumFunctionCallTermination(self._context.budget)
+        self.algorithm.output = None
+        try:
+            self.algorithm.setup(_Box(self._context, self._n_constraints, name), seed=seed)
+        except Exception as error:
+            raise PluginError(
+                f"{name} of pymoo refuses this problem: {error}. One that handles no constraints has to be made a strategy "
+                "with constraints=False, since failed evaluations are told as violations of one"
+            ) from error
+
+    def _population(self) -> Any:
+        """What the algorithm asked for; a single individual stands for a population of one."""
+        return Population.create(self._infills) if isinstance(self._infills, Individual) else self._infills
+
     def _designs(self) -> FloatArray:
         """The designs (n, d) of the population, brought inside the bounds, integers rounded."""
-        names = self._context.space.names
-        rows = [[x[name] for name in names] if isinstance(x, dict) else x for x in (i.X for i in self._population)]
+        names, vectors = self._context.space.names, [individual.X for individual in self._population()]
+        rows = [[x[name] for name in names] if isinstance(x, dict) else x for x in vectors]
         return self._context.space.rounded(np.array(rows, dtype=float))
-
-    def _native(self, design: FloatArray) -> dict[str, float | int]:
-        return self._context.space.named(design)
 
 
 class PymooStrategy(GenerationalStrategy):
-    """A pymoo algorithm asked and told design by design. `make` makes the algorithm for the context."""
+    """A pymoo algorithm asked and told design by design; `make` makes the algorithm."""
 
-    def __init__(self, context: SearchContext, make: MakeAlgorithm) -> None:
-        super().__init__(context, PymooGenerations(context, make))
+    def __init__(self, context: SearchContext, make: MakeAlgorithm, constrained: bool = True) -> None:
+        super().__init__(context, PymooGenerations(context, make, constrained))
 
 
 class Rounding:
@@ -102,7 +119,9 @@ class Rounding:
         return population
 
 
-def strategy_from_algorithm(algorithm: Algorithm, multi_objective: bool | None = None) -> type[PymooStrategy]:
+def strategy_from_algorithm(
+    algorithm: Algorithm, multi_objective: bool | None = None, constraints: bool = True
+) -> type[PymooStrategy]:
     """A strategy class that runs copies of a pymoo algorithm; see `railsearch.pymoo_strategy`. Raises InputError."""
     if not isinstance(algorithm, Algorithm):
         raise InputError(f"algorithm: an instance of pymoo's Algorithm is needed, received {algorithm!r}")
@@ -112,10 +131,10 @@ def strategy_from_algorithm(algorithm: Algorithm, multi_objective: bool | None =
 
     class AlgorithmStrategy(PymooStrategy):
         Parameters = NoParameters
-        capabilities = Capabilities(multi_objective=many, integers=True, constraints=True, batch=True)
+        capabilities = Capabilities(multi_objective=many, integers=True, constraints=constraints, batch=True)
 
         def __init__(self, context: SearchContext, parameters: NoParameters) -> None:
-            super().__init__(context, lambda known: copy.deepcopy(algorithm))
+            super().__init__(context, lambda known: copy.deepcopy(algorithm), constraints)
 
     name = type(algorithm).__name__
     AlgorithmStrategy.__doc__ = f"{name} of pymoo as it was set up by its user, integers by rounding."
@@ -129,14 +148,14 @@ def _is_multi_objective(kind: type) -> bool:
 
 
 class _Box(Problem):  # type: ignore[misc]
-    """The bounds and the numbers of objectives and constraints, one more for failed evaluations."""
+    """The bounds, the variables and the numbers of objectives and constraints."""
 
-    def __init__(self, context: SearchContext, algorithm: str) -> None:
+    def __init__(self, context: SearchContext, n_constraints: int, algorithm: str) -> None:
         space = context.space
         super().__init__(
             n_var=space.dimension,
             n_obj=context.n_objectives,
-            n_ieq_constr=context.n_constraints + 1,
+            n_ieq_constr=n_constraints,
             xl=space.lower,
             xu=space.upper,
         )
