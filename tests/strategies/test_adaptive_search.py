@@ -1,0 +1,230 @@
+"""Adaptive searches: the choice of transform and length scales, and expected improvement as what is maximised."""
+
+import copy
+import re
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad
+from scipy.spatial.distance import cdist
+from scipy.stats import norm
+
+from railsearch.errors import CapabilityError, InputError
+from railsearch.parameters import make_parameters
+from railsearch.space import Space, Variable
+from railsearch.testing import Trial, run_trial
+from railsearch_plugins.metric_search.adaptive_model import SPREAD, Adaptation, AdaptiveModel
+from railsearch_plugins.metric_search.adaptive_search import AdaptiveSearchParameters
+from railsearch_plugins.metric_search.expected_improvement import expected_improvement
+from railsearch_plugins.metric_search.merit import merit
+from railsearch_plugins.metric_search.transforms import TRANSFORMS
+from railsearch_plugins.strategies.adaptive_kriging import AdaptiveKrigingSearch
+from railsearch_plugins.strategies.adaptive_rbf import AdaptiveInterpolantSearch
+from railsearch_plugins.surrogates.rbf import RadialBasisFunctionInterpolant, RadialBasisFunctionParameters
+
+ALL = ("copula", "logarithm", "identity")
+
+
+def make_rbf(settings):
+    return RadialBasisFunctionInterpolant(4, make_parameters(RadialBasisFunctionParameters, settings, "rbf"))
+
+
+def points_of(n, seed=0):
+    return np.random.default_rng(seed).random((n, 4))
+
+
+def bowl(points):
+    return np.sum((points - 0.4) ** 2, axis=1)
+
+
+values_lists = st.lists(st.floats(-1e6, 1e6), min_size=3, max_size=30).map(np.array)
+
+
+@pytest.mark.parametrize("name", TRANSFORMS)
+@given(values=values_lists)
+def test_a_transform_keeps_the_order_and_is_finite(name, values):
+    transformed = TRANSFORMS[name](values)
+    order = np.argsort(values, kind="stable")
+    assert np.isfinite(transformed).all()
+    assert np.all(np.diff(transformed[order]) >= 0.0)
+    ties = np.diff(values[order]) == 0.0
+    assert np.all(np.diff(transformed[order])[ties] == 0.0)
+
+
+def test_normal_scores_depend_on_ranks_alone_and_are_symmetric():
+    values = np.array([3.0, 1.0, 1e9, 2.0, -5.0])
+    scores = TRANSFORMS["copula"](values)
+    np.testing.assert_allclose(scores, norm.ppf((np.array([3, 1, 4, 2, 0]) + 0.5) / 5.0))
+    assert np.sum(scores) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_the_logarithm_is_of_the_excess_over_the_least_value():
+    values = np.array([7.0, 8.0, 10.0])
+    np.testing.assert_allclose(TRANSFORMS["logarithm"](values), np.log(np.array([0.1, 1.1, 3.1])))
+    constant = np.full(5, 2.0)
+    np.testing.assert_array_equal(TRANSFORMS["logarithm"](constant), constant)
+
+
+@pytest.mark.parametrize(("best", "value", "deviation"), [(0.0, 1.0, 0.7), (0.0, -1.0, 0.3), (2.0, 2.0, 5.0)])
+def test_expected_improvement_is_the_integral_that_it_stands_for(best, value, deviation):
+    def integrand(y):
+        return (best - y) * norm.pdf(y, value, deviation)
+
+    expected, _ = quad(integrand, value - 12.0 * deviation, best, points=[value] if value < best else None)
+    found = expected_improvement(np.array([value]), np.array([deviation]), best)[0]
+    assert found == pytest.approx(expected, rel=1e-7)
+
+
+def test_expected_improvement_without_deviation_is_the_improvement_itself():
+    found = expected_improvement(np.array([-1.0, 1.0]), np.zeros(2), 0.0)
+    np.testing.assert_array_equal(found, [1.0, 0.0])
+
+
+def test_an_exponential_is_seen_through_a_transform_and_a_bowl_as_it_is():
+    points = points_of(60)
+    steep, plain = (AdaptiveModel(make_rbf, Adaptation(ALL)) for _ in range(2))
+    steep.refresh(points, np.exp(30.0 * bowl(points)))
+    plain.refresh(points, bowl(points))
+    assert steep.transform in ("copula", "logarithm")
+    assert plain.transform == "identity"
+
+
+def test_a_variable_without_effect_gets_a_longer_length_scale():
+    points, seen = points_of(60), []
+
+    def make(settings):
+        seen.append(np.array(settings.get("length_scales", ())))
+        return make_rbf(settings)
+
+    model = AdaptiveModel(make, Adaptation(length_scales=True, every=1), np.random.default_rng(0))
+    for n in range(50, 60):
+        model.refresh(points[:n], np.sin(9.0 * points[:n, 0]))
+    scales = seen[-1]
+    assert scales[0] < 0.5 * min(scales[1:])
+    assert np.mean(scales) == pytest.approx(1.0)
+    assert np.ptp(np.log(scales)) <= 2.0 * np.log(SPREAD) + 1e-9
+
+
+def test_the_choice_is_made_again_only_every_so_often():
+    points, fits = points_of(60), []
+
+    def make(settings):
+        fits.append(settings)
+        return make_rbf(settings)
+
+    model = AdaptiveModel(make, Adaptation(ALL, every=10))
+    counts = []
+    for n in range(30, 60):
+        before = len(fits)
+        model.refresh(points[:n], bowl(points[:n]))
+        counts.append(len(fits) - before)
+    assert counts == ([4] + [1] * 9) * 3
+
+
+def test_as_it_is_points_are_added_and_the_surrogate_is_that_of_a_fit():
+    points = points_of(40)
+    model, made = AdaptiveModel(lambda settings: made.append(1) or make_rbf(settings)), []
+    for n in (20, 25, 40, 40):
+        surrogate = model.refresh(points[:n], bowl(points[:n]))
+    fitted = make_rbf({})
+    fitted.fit(points, bowl(points))
+    queries = points_of(9, seed=5)
+    assert len(made) == 1
+    np.testing.assert_allclose(surrogate.predict(queries), fitted.predict(queries), rtol=1e-9)
+
+
+def test_too_few_points_determine_no_model():
+    assert AdaptiveModel(make_rbf, Adaptation(ALL)).refresh(points_of(3), bowl(points_of(3))) is None
+
+
+SPACE = Space((Variable("x", -2.0, 3.0), Variable("y", 0.0, 1.0), Variable("k", 0.0, 9.0, integer=True)))
+
+
+def valley(design):
+    x, y, k = design
+    return np.array([(x - 0.7) ** 2 + np.sin(5.0 * y) + 0.1 * (k - 4.0) ** 2])
+
+
+def watched(base, settings=None, batch_size=1, budget=45):
+    """What the search chose among what: surrogates, points, evaluated points, present values and chosen indices."""
+    choices = []
+
+    class Watched(base):
+        def _chosen(self, surrogate, points, evaluated):
+            chosen = super()._chosen(surrogate, points, evaluated)
+            choices.append((copy.deepcopy(surrogate), points, evaluated, self._model.values, chosen))
+            return chosen
+
+    evaluations = run_trial(Watched, Trial(SPACE, budget=budget, batch_size=batch_size), settings, objective=valley)
+    return choices, evaluations
+
+
+@pytest.mark.parametrize("plugin", [AdaptiveKrigingSearch, AdaptiveInterpolantSearch])
+def test_what_is_proposed_has_the_largest_expected_improvement_of_all_candidates(plugin):
+    choices, _ = watched(plugin, {"cycle": ["improvement"], "surrogate": "rbf"})
+    surrogate, points, evaluated, values, chosen = choices[-1]
+    admissible = cdist(points, evaluated).min(axis=1) >= 1e-3
+    improvement = expected_improvement(surrogate.predict(points), surrogate.deviation(points), values.min())
+    assert improvement[chosen[0]] == improvement[admissible].max() > 0.0
+
+
+def test_a_weight_in_the_cycle_means_the_merit_and_the_turns_go_round():
+    choices, _ = watched(AdaptiveInterpolantSearch, {"cycle": ["0.3", "improvement"], "transforms": ["identity"]})
+    for turn, (surrogate, points, evaluated, values, chosen) in enumerate(choices):
+        distances = cdist(points, evaluated).min(axis=1)
+        free = np.flatnonzero(distances >= 1e-3)
+        predicted = surrogate.predict(points[free])
+        improvement = expected_improvement(predicted, surrogate.deviation(points[free]), values.min())
+        scores = -improvement if turn % 2 else merit(predicted, distances[free], 0.3)
+        assert chosen[0] == free[np.argmin(scores)]
+    assert len(choices) > 10
+
+
+@pytest.mark.parametrize("batch_size", [2, 5])
+def test_designs_of_a_batch_are_apart_and_the_second_is_chosen_as_if_the_first_were_known(batch_size):
+    settings = {"surrogate": "rbf", "transforms": ["identity"], "cycle": ["improvement"]}
+    choices, _ = watched(AdaptiveKrigingSearch, settings, batch_size)
+    surrogate, points, evaluated, values, chosen = choices[0]
+    assert len(chosen) == batch_size
+    assert cdist(points[chosen], points[chosen])[np.triu_indices(batch_size, 1)].min() >= 1e-3
+    believer, first = copy.deepcopy(surrogate), points[chosen[:1]]
+    predicted = surrogate.predict(first)
+    believer.add(first, predicted)
+    best = min(values.min(), predicted[0])
+    free = cdist(points, np.vstack([evaluated, first])).min(axis=1) >= 1e-3
+    improvement = expected_improvement(believer.predict(points), believer.deviation(points), best)
+    assert improvement[chosen[1]] == improvement[free].max()
+
+
+def test_mixed_perturbations_reach_farther_and_nearer_than_those_of_one_size():
+    spreads = {}
+    for mixed in (True, False):
+        choices, _ = watched(AdaptiveKrigingSearch, {"surrogate": "rbf", "mixed_perturbations": mixed})
+        _, points, evaluated, _, _ = choices[0]
+        distances = cdist(points, evaluated).min(axis=1)
+        spreads[mixed] = np.quantile(distances[distances > 0.0], 0.1), np.quantile(distances, 0.9)
+    assert spreads[True][0] < spreads[False][0]
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"transforms": ["root"]}, "transforms: unknown 'root'; there are copula, logarithm, identity"),
+        ({"transforms": []}, "one or more entries"),
+        ({"cycle": ["improvment"]}, "'improvement' or a weight from 0 to 1 is needed, received 'improvment'"),
+        ({"cycle": ["1.2"]}, "a weight from 0 to 1 is needed, received '1.2'"),
+    ],
+)
+def test_faults_are_named(settings, message):
+    with pytest.raises(InputError, match=re.escape(message)):
+        make_parameters(AdaptiveSearchParameters, settings, "strategy adaptive-rbf")
+
+
+def test_a_surrogate_without_deviation_is_refused_at_the_door():
+    settings = {"surrogate": "sklearn.neighbors.KNeighborsRegressor"}
+    with pytest.raises(CapabilityError, match="no deviation, which expected improvement needs: take a surrogate"):
+        run_trial(AdaptiveKrigingSearch, Trial(SPACE), settings)
+    with pytest.raises(CapabilityError, match="leave_one_out_residuals"):
+        run_trial(AdaptiveInterpolantSearch, Trial(SPACE), {"surrogate": "kriging"})
