@@ -63,36 +63,24 @@ def choose(
     Raises InputError for one objective, no candidate, and preferences that do not fit.
     """
     base = problem.simulated
-    if base.n_obj < 2:
-        raise InputError(
-            f"DIR: this run has one objective, {base.objectives[0].name}, and so one best design; choose among the designs "
-            "of a run with several objectives, scalarised or not"
-        )
     raw = [_raw(base, evaluation) for evaluation in evaluations]
-    members = front(raw)
-    if not members:
-        raise InputError(f"DIR: none of the {len(raw)} evaluations is feasible, there is nothing to choose from")
-    quantities = _quantities(base, settings)
-    plugin = registry.get("scalariser", scalariser)
-    made = plugin(make_parameters(plugin.Parameters, settings, f"scalariser {scalariser}"), quantities, base.worst)
-    values = _values(base, members, quantities)
-    scalars = made(np.column_stack([quantity.sign * values[quantity.name] for quantity in quantities]))
-    graded = scores(made.preferences, values)
-    order = np.lexsort((-graded @ [preference.weight for preference in made.preferences], scalars))
+    members = _candidates(base, raw)
+    preferences, scalars, graded = _graded(registry, base, members, scalariser, settings)
+    order = np.lexsort((-graded @ [preference.weight for preference in preferences], scalars))
     objectives = np.array([members[row].objectives for row in order])
     pseudo = pseudo_weights(objectives)
     return Choice(
-        base,
-        scalariser,
-        made.preferences,
-        [members[row] for row in order],
-        scalars[order],
-        graded[order],
-        pseudo,
-        _nearest(pseudo, base.objectives, made.preferences),
-        high_trade_offs(objectives),
-        reference_evaluation(base, raw),
-        len(raw),
+        problem=base,
+        scalariser=scalariser,
+        preferences=preferences,
+        candidates=[members[row] for row in order],
+        scalars=scalars[order],
+        scores=graded[order],
+        pseudo_weights=pseudo,
+        nearest=_nearest(pseudo, base.objectives, preferences),
+        trade_offs=high_trade_offs(objectives),
+        reference=reference_evaluation(base, raw),
+        n_evaluations=len(raw),
     )
 
 
@@ -160,6 +148,38 @@ def _candidate(choice: Choice, row: int) -> dict[str, Any]:
         "nearest_pseudo_weights": row == choice.nearest,
         "high_trade_off": row in choice.trade_offs,
     }
+
+
+def _candidates(base: DesignProblem, evaluations: Sequence[Evaluation]) -> list[Evaluation]:
+    """The front of the evaluations. Raises InputError for one objective and for an empty front."""
+    if base.n_obj < 2:
+        raise InputError(
+            f"DIR: this run has one objective, {base.objectives[0].name}, and so one best design; choose among the designs "
+            "of a run with several objectives, scalarised or not"
+        )
+    members = front(evaluations)
+    if not members:
+        raise InputError(f"DIR: none of the {len(evaluations)} evaluations is feasible, there is nothing to choose from")
+    return members
+
+
+def _graded(
+    registry: Registry,
+    base: DesignProblem,
+    members: Sequence[Evaluation],
+    scalariser: str,
+    settings: Mapping[str, Any],
+) -> tuple[Sequence[StatedPreference], FloatArray, FloatArray]:
+    """The preferences of a scalariser made with these settings, and the scalars (n,) and scores (n, k) of the candidates."""
+    quantities = _quantities(base, settings)
+    plugin = registry.get("scalariser", scalariser)
+    made = plugin(make_parameters(plugin.Parameters, settings, f"scalariser {scalariser}"), quantities, base.worst)
+    preferences: Sequence[StatedPreference] = getattr(made, "preferences", ())
+    if not preferences:
+        raise InputError(f"--scalarise: {scalariser} goes by no preference functions; name one that does")
+    values = _values(base, members, quantities)
+    scalars = made(np.column_stack([quantity.sign * values[quantity.name] for quantity in quantities]))
+    return preferences, scalars, scores(preferences, values)
 
 
 def _raw(base: DesignProblem, evaluation: Evaluation) -> Evaluation:

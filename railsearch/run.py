@@ -196,13 +196,12 @@ def check_capabilities(
     reason = _refusal(capabilities, problem, batch_size)
     if not reason:
         return
-    able = [
-        entry.name for entry in registry.entries("strategy") if not _refusal(entry.plugin.capabilities, problem, batch_size)
-    ]
-    remedy = f"use a strategy that can ({', '.join(able) or 'none is installed'})"
+    strategies = registry.entries("strategy")
+    able = [entry.name for entry in strategies if not _refusal(entry.plugin.capabilities, problem, batch_size)]
+    remedy = f"use a strategy that can ({_listed(able)})"
     if problem.n_obj > 1 and not capabilities.multi_objective:
-        scalarisers = ", ".join(entry.name for entry in registry.entries("scalariser"))
-        remedy = f"choose one of them, scalarise them ({scalarisers}), or {remedy}"
+        scalarisers = [entry.name for entry in registry.entries("scalariser")]
+        remedy = f"choose one of them, scalarise them ({_listed(scalarisers)}), or {remedy}"
     raise CapabilityError(f"strategy {name} {reason}: {remedy}")
 
 
@@ -257,6 +256,10 @@ def _refusal(capabilities: Capabilities, problem: DesignProblem, batch_size: int
     if batch_size > 1 and not capabilities.batch:
         return f"proposes one design at a time, a batch of {batch_size} was asked for"
     return ""
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(names) or "none is installed"
 
 
 def _surrogate(registry: Registry, dimension: int, name: str, settings: Mapping[str, object]) -> Surrogate:

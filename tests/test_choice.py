@@ -96,6 +96,11 @@ def test_a_metric_without_a_value_is_named(registry: Registry) -> None:
         choose(registry, TwoObjectives(), [lacking], "imap", {"preferences": {**ON_BOTH, "comfort": Linear(2.0, 0.0)}})
 
 
+def test_a_scalariser_without_preferences_cannot_choose(registry: Registry) -> None:
+    with pytest.raises(InputError, match="asf goes by no preference functions"):
+        choose(registry, TwoObjectives(), LINE, "asf", {})
+
+
 def test_one_objective_leaves_no_choice(registry: Registry) -> None:
     settings = {"preferences": {"distance": Linear(0.0, 1.0)}}
     with pytest.raises(InputError, match="this run has one objective, distance"):

@@ -121,6 +121,20 @@ def test_capabilities_are_checked_before_anything_is_evaluated(registry: Registr
     assert problem.calls == 0
 
 
+def test_a_refusal_names_the_scalarisers_and_the_strategies_that_would_do(registry: Registry) -> None:
+    with pytest.raises(CapabilityError) as caught:
+        run_search(registry, TwoObjectives(constrained=True), RunSettings("dycors", 30, 0))
+    scalarisers = ", ".join(entry.name for entry in registry.entries("scalariser"))
+    assert f"choose one of them, scalarise them ({scalarisers}), or use a strategy that can (" in str(caught.value)
+    capabilities = {entry.name: entry.plugin.capabilities for entry in registry.entries("strategy")}
+    able = [name for name, can in capabilities.items() if can.multi_objective and can.integers and can.constraints]
+    assert "nsga2" in able
+    assert "dycors" not in able
+    assert str(caught.value).endswith(f"({', '.join(able)})")
+    with pytest.raises(CapabilityError, match=r"handles one objective.*use a strategy that can \(none is installed\)"):
+        run_search(one_strategy(Stubborn), TwoObjectives(), RunSettings("one", 30, 0))
+
+
 @pytest.mark.parametrize("budget", [0, -1, 1.5, True])
 def test_a_budget_is_a_positive_integer(budget: int) -> None:
     with pytest.raises(InputError, match="budget: an integer ≥ 1"):
