@@ -19,7 +19,7 @@ from railsearch_plugins.gaussian_process import process
 from railsearch_plugins.gaussian_process.correlation import CORRELATIONS
 from railsearch_plugins.gaussian_process.estimation import CRITERIA, Hyperparameters, criterion, estimated
 from railsearch_plugins.gaussian_process.process import GaussianProcess
-from railsearch_plugins.gaussian_process.system import Training
+from railsearch_plugins.gaussian_process.system import Training, factorise
 from railsearch_plugins.gaussian_process.trend import DEGREES, PolynomialTrend
 from railsearch_plugins.surrogates.kriging import Kriging, KrigingParameters
 
@@ -329,6 +329,13 @@ def test_points_that_coincide_get_a_nugget_and_that_is_said(late):
     assert 0.0 < model.process.nugget_added < 1e-9
     assert model.process.hyperparameters.nugget == model.process.nugget_added
     np.testing.assert_allclose(model.predict(points), values, rtol=1e-6)
+
+
+@pytest.mark.parametrize(("gap", "added"), [(1e-12, False), (1e-15, True)])
+def test_a_pivot_that_is_but_rounding_error_is_not_taken_for_variance(gap, added):
+    lower, nugget = factorise(np.array([[1.0, 1.0 - gap], [1.0 - gap, 1.0]]), 0.0)
+    assert (nugget > 0.0) == added
+    assert lower[1, 1] ** 2 == pytest.approx(2.0 * (gap + nugget), rel=1e-2, abs=2e-15)
 
 
 def test_integers_are_rounded_before_anything_else():
