@@ -16,6 +16,7 @@ from railsearch.testing import check_scalariser, check_strategy, check_surrogate
 from railsearch_plugins.scalarisers.asf import AchievementScalarisingFunction
 from railsearch_plugins.strategies.random import RandomSearch
 from railsearch_plugins.surrogates.rbf import RadialBasisFunctionInterpolant
+from registered_strategies import every_strategy, small_budget
 from sample_problems import Sphere, TwoObjectives
 
 
@@ -23,28 +24,14 @@ def registered(kind):
     return pytest.mark.parametrize("plugin", [pytest.param(e.plugin, id=e.name) for e in load_plugins().entries(kind)])
 
 
-SLOW = {"optuna-gp": 14}
-"""Budgets of the trials of strategies that are slow by their nature: their start and a few proposals of their model."""
-
-NEEDS_TORCH = ("optuna-gp",)
-
-every_strategy = pytest.mark.parametrize(
-    "entry",
-    [
-        pytest.param(e, id=e.name, marks=[pytest.mark.torch] if e.name in NEEDS_TORCH else [])
-        for e in load_plugins().entries("strategy")
-    ],
-)
-
-
 @every_strategy
 def test_strategy(entry):
-    check_strategy(entry.plugin, budget=SLOW.get(entry.name, 30))
+    check_strategy(entry.plugin, budget=small_budget(entry.name))
 
 
 @every_strategy
 def test_a_run_begins_with_the_given_designs_and_ends_with_the_budget(entry):
-    budget = SLOW.get(entry.name, 30)
+    budget = small_budget(entry.name)
     given = [np.zeros(4), np.array([1.5, -2.0, 3.0, 0.0])]
     result = run_search(load_plugins(), Sphere(), RunSettings(entry.name, budget, 5), given)
     assert [e.number for e in result.evaluations] == list(range(budget))
@@ -54,7 +41,7 @@ def test_a_run_begins_with_the_given_designs_and_ends_with_the_budget(entry):
 
 @every_strategy
 def test_a_continued_run_is_the_run_that_was_not_interrupted(entry):
-    settings = RunSettings(entry.name, SLOW.get(entry.name, 30), 6)
+    settings = RunSettings(entry.name, small_budget(entry.name), 6)
     whole = run_search(load_plugins(), Sphere(), settings, [np.zeros(4)])
     record = MemoryRecord()
     record.evaluations = list(whole.evaluations[: settings.budget // 2])

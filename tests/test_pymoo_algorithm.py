@@ -9,6 +9,7 @@ from railsearch.errors import CapabilityError, InputError, PluginError
 from railsearch.interfaces import Outcome
 from railsearch.plugin_manager import load_plugins
 from railsearch.run import RunSettings, run_search
+from registered_strategies import every_strategy, small_budget
 from sample_problems import Sphere, Troubled, TwoObjectives
 
 
@@ -17,14 +18,16 @@ def evaluated(result):
     return np.vstack([entry.off.get("X") for entry in result.history])
 
 
-@pytest.mark.parametrize("strategy", ["random", "dycors", "lmsrs", "ga"])
-def test_under_pymoo_a_strategy_proposes_what_it_proposes_in_a_run(strategy):
-    given = [np.zeros(4)]
-    run = run_search(load_plugins(), Sphere(), RunSettings(strategy, 40, 3), given)
-    result = minimize(Sphere(), railsearch.algorithm(strategy, 40, given=given), seed=3, save_history=True)
-    designs = evaluated(result)
-    assert np.array_equal(designs, np.array([evaluation.design for evaluation in run.evaluations]))
-    assert result.F[0] == min(evaluation.objectives[0] for evaluation in run.evaluations)
+@every_strategy
+def test_under_pymoo_a_strategy_proposes_what_it_proposes_in_a_run(entry):
+    strategy, budget = entry.name, small_budget(entry.name)
+    for problem in (Sphere(), TwoObjectives()) if entry.plugin.capabilities.multi_objective else (Sphere(),):
+        given = [np.array([1.5, 1.0, 0.0, 0.0])]
+        run = run_search(load_plugins(), problem, RunSettings(strategy, budget, 3), given)
+        result = minimize(problem, railsearch.algorithm(strategy, budget, given=given), seed=3, save_history=True)
+        assert np.array_equal(evaluated(result), np.array([evaluation.design for evaluation in run.evaluations]))
+        best = np.min([evaluation.objectives for evaluation in run.evaluations], axis=0)
+        assert np.array_equal(np.min(np.atleast_2d(result.F), axis=0), best)
 
 
 @pytest.mark.parametrize("strategy", ["dycors", "nsga2"])

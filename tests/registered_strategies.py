@@ -1,0 +1,23 @@
+"""Every registered strategy, for tests that hold for all of them."""
+
+import pytest
+
+from railsearch.plugin_manager import load_plugins
+
+SLOW = {"optuna-gp": 14}
+"""Budgets for strategies that are slow by their nature: their start and a few proposals of their model."""
+
+NEEDS_TORCH = ("optuna-gp",)
+
+every_strategy = pytest.mark.parametrize(
+    "entry",
+    [
+        pytest.param(entry, id=entry.name, marks=[pytest.mark.torch] if entry.name in NEEDS_TORCH else [])
+        for entry in load_plugins().entries("strategy")
+    ],
+)
+
+
+def small_budget(name: str) -> int:
+    """Evaluations that take a strategy past its start."""
+    return SLOW.get(name, 30)
