@@ -45,12 +45,14 @@ class StrategyAlgorithm(Algorithm):  # type: ignore[misc]
         self._strategy: Any = None
         self._proposals: list[Proposal] = []
         self._spent = 0
+        self._metrics: list[str] = []
 
     def _setup(self, problem: Problem, **kwargs: object) -> None:
         described = problem if isinstance(problem, DesignProblem) else _described(problem)
         settings = RunSettings(self._name, self._budget, checked_seed(self.seed), self._settings)
         self._strategy = make_strategy(self._registry, described, settings, len(self._given))
         self._given = [described.space.checked(design) for design in self._given]
+        self._metrics = [metric.name for metric in described.metrics]
 
     def _initialize_infill(self) -> Population:
         if self._given:
@@ -78,12 +80,12 @@ class StrategyAlgorithm(Algorithm):  # type: ignore[misc]
     def _tell(self, infills: Population | None) -> None:
         evaluations = []
         for proposal, individual in zip(self._proposals, infills or [], strict=True):
-            evaluations.append(_evaluation(self._spent, proposal, individual))
+            evaluations.append(_evaluation(self._spent, proposal, individual, self._metrics))
             self._spent += 1
         self._strategy.tell(evaluations)
 
 
-def _evaluation(number: int, proposal: Proposal, individual: Any) -> Evaluation:
+def _evaluation(number: int, proposal: Proposal, individual: Any, metrics: Sequence[str]) -> Evaluation:
     objectives, constraints = np.array(individual.F, dtype=float), np.array(individual.G, dtype=float)
     sound = bool(np.isfinite(objectives).all() and np.isfinite(constraints).all())
     return Evaluation(
@@ -91,7 +93,7 @@ def _evaluation(number: int, proposal: Proposal, individual: Any) -> Evaluation:
         design=proposal.design,
         objectives=objectives if sound else np.full_like(objectives, np.nan),
         constraints=constraints if sound else np.full_like(constraints, np.nan),
-        metrics={},
+        metrics={name: float(individual.get(name)) for name in metrics},
         origin=proposal.origin,
         trajectory=proposal.trajectory,
         reason="" if sound else "an objective or a constraint is not finite",

@@ -7,12 +7,14 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pymoo.optimize import minimize
 
 from railsearch.design_problem import DesignProblem, ScalarisedProblem
 from railsearch.errors import InputError
 from railsearch.interfaces import Outcome, Quantity
 from railsearch.parameters import make_parameters
 from railsearch.plugin_manager import load_plugins
+from railsearch.pymoo_algorithm import StrategyAlgorithm
 from railsearch.run import RunSettings, best, run_search
 from railsearch.space import Space, Variable
 from railsearch_plugins.strategies.fixed_surrogate import FixedSurrogateParameters
@@ -186,6 +188,13 @@ def test_surrogates_that_cannot_be_fitted_are_left_out():
     rbf = partial(REGISTRY.surrogate, "rbf", 3, {})
     assert chosen_surrogate({"rbf": rbf}, points, wavy(points), split) is None
     assert chosen_surrogate({"rbf": rbf, "mean": Mean}, points, wavy(points), split).name == "mean"
+
+
+def test_under_plain_pymoo_the_responses_behind_the_scalar_are_known_too():
+    problem = ScalarisedProblem(DampingAndPrice(), "sum", Sum())
+    found = minimize(problem, StrategyAlgorithm(REGISTRY, "fixed-surrogate", 30, QUICK), seed=4)
+    evaluations = search(problem, 30).evaluations
+    np.testing.assert_array_equal(found.pop.get("X"), np.array([e.design for e in evaluations]))
 
 
 @given(st.integers(0, 300), st.integers(0, 2**20))
