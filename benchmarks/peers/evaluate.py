@@ -96,7 +96,7 @@ def document(record: Gathered, known: Mapping[str, float], found: Found) -> dict
     return {
         "date": datetime.now(UTC).date().isoformat(),
         "commit": _commit(),
-        "complete": {c["campaign"]: f"{c['complete']} of {c['planned']} runs" for c in record.campaigns},
+        "status": "complete" if all(c["complete"] == c["planned"] for c in record.campaigns) else "incomplete, provisional",
         "campaigns": [{key: value for key, value in c.items() if key != "problems"} for c in record.campaigns],
         "versions": versions(),
         "machine": {"processor": _processor(), "cores": os.cpu_count(), "system": platform.platform()},
@@ -110,12 +110,12 @@ def document(record: Gathered, known: Mapping[str, float], found: Found) -> dict
 
 def page(record: Gathered, known: Mapping[str, float], found: Found, said: Mapping[str, Any]) -> str:
     """The tables with the sentences around them."""
-    complete = ", ".join(f"{name}: {count}" for name, count in said["complete"].items())
+    runs = ", ".join(f"{c['campaign']} {c['complete']} of {c['planned']} runs" for c in record.campaigns)
     libraries = ", ".join(f"{name} {version}" for name, version in said["versions"].items())
     machine = said["machine"]
     parts = [
         "# Peers benchmark\n",
-        f"{said['date']}, commit {said['commit']}. {complete}.\n",
+        f"Record {said['status']}: {runs}; {said['date']}, commit {said['commit']}.\n",
         f"{machine['processor']}, {machine['cores']} cores; {libraries}.\n",
         f"## Beside {REFERENCE}\n",
         standings_table(found.standings, record.cells),
@@ -141,7 +141,8 @@ def main() -> int:
     said = document(record, known, found)
     asked.out.mkdir(parents=True, exist_ok=True)
     write_cells(asked.out / "cells.csv", record.cells)
-    (asked.out / "scores.json").write_text(json.dumps(said, indent=1, default=_plain) + "\n", encoding="utf-8")
+    numbers = json.dumps(said, indent=1, default=_plain, allow_nan=False)
+    (asked.out / "scores.json").write_text(numbers + "\n", encoding="utf-8")
     (asked.out / "tables.md").write_text(page(record, known, found, said), encoding="utf-8")
     pictures = {
         "ratios": ratio_figure(found.standings),
@@ -158,7 +159,7 @@ def _named(cell: CellResult) -> str:
 
 def _plain(value: object) -> object:
     if isinstance(value, np.ndarray):
-        return value.tolist()
+        return np.where(np.isfinite(value), value, None).tolist()
     raise TypeError(f"{type(value).__name__} has no plain form")
 
 

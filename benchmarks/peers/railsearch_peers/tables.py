@@ -60,8 +60,8 @@ def ranking_words(ranking: Ranking) -> str:
     last = ranking.ranks[-1]
     difference = f"; they differ from {last.critical_difference:.2f} on (Nemenyi, 5 %)" if last.critical_difference else ""
     return (
-        f"Ranks of {len(ranking.strategies)} participants by their medians, over {len(ranking.problems)} problems with "
-        f"{ranking.runs} repetitions in all{difference}."
+        f"Ranks of {len(ranking.strategies)} participants by their medians; problems: {len(ranking.problems)}, runs of each "
+        f"on them: {ranking.runs}{difference}."
     )
 
 
