@@ -9,54 +9,87 @@
 Each node is a box. Its relaxation is minimised, the integer farthest from a whole number splits the box in two, and a box
 whose relaxation is no lower than the lowest integer point met is dropped (Land and Doig 1960; on a surrogate: Holmström
 2008, Müller 2016). The surrogate is not convex, so a relaxation's local minimum is a bound in practice, not in proof.
+
+The boxes of lowest bound are taken several at a time and their relaxations minimised side by side. Before a lowest integer
+point becomes what the rest is bounded by, single steps of its integers improve it as far as they go.
 """
 
-import heapq
-import itertools
 from collections.abc import Callable
-from typing import Protocol
+from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
-from scipy.optimize import minimize
+from numpy.typing import NDArray
 
 from railsearch.space import FloatArray, Space
 
+from .projected_gradient import SmoothFunction, minimised
 
-class SmoothFunction(Protocol):
-    """What can be searched: a surrogate, or something made of one."""
-
-    def predict(self, points: FloatArray) -> FloatArray:
-        """Values (k,) at points (k, d)."""
-
-    def gradient(self, points: FloatArray) -> FloatArray:
-        """Derivatives (k, d) at points (k, d)."""
-
-
-Relaxation = Callable[[FloatArray, FloatArray, FloatArray | None], tuple[FloatArray, float]]
-"""Minimises f̂ in the box from `lower` (d,) to `upper` (d,), perhaps from a given start: the minimiser (d,) and f̂ there."""
+Relaxations = Callable[["Boxes"], tuple[FloatArray, FloatArray]]
+"""Minimises f̂ in each of k boxes: the minimisers (k, d) and f̂ there (k,)."""
 
 WHOLE = 1e-6
 """An integer nearer than this to a whole number of steps is not branched on."""
 
-ITERATIONS = 30
-"""Limit of the quasi-Newton iterations of one relaxation; the integers need its minimiser to a fraction of a step only."""
+BATCH = 16
+"""Boxes whose relaxations are minimised side by side, and starts of the first one."""
+
+ITERATIONS = 10
+"""Limit of the iterations of one relaxation: a box begins where the box that it was split off came to."""
+
+FIRST_ITERATIONS = 30
+"""The same in the first box and for the reals of the lowest integer point."""
+
+TOLERANCE = 1e-5
+"""A relaxation is done when a step promises less than this fraction of the spread of f̂ over the pool."""
+
+FINAL_TOLERANCE = 1e-9
+"""The same for the reals of the lowest integer point."""
+
+
+@dataclass(frozen=True)
+class Boxes:
+    """Boxes from `lower` to `upper` (k, d) of the unit cube, a start in each (k, d) and a lower bound (k,) of f̂."""
+
+    lower: FloatArray
+    upper: FloatArray
+    starts: FloatArray
+    bounds: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.bounds)
+
+    def taken(self, rows: NDArray[np.intp]) -> Self:
+        """The boxes of these rows."""
+        return type(self)(self.lower[rows], self.upper[rows], self.starts[rows], self.bounds[rows])
+
+    def joined(self, others: Self) -> Self:
+        """These boxes and others."""
+        pairs = zip(self._arrays(), others._arrays(), strict=True)
+        return type(self)(*(np.concatenate(pair) for pair in pairs))
+
+    def _arrays(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        return self.lower, self.upper, self.starts, self.bounds
 
 
 def tree_search(surrogate: SmoothFunction, space: Space, pool: FloatArray, n_starts: int, max_nodes: int) -> FloatArray:
     """The integer points (k, d), unit cube, met in a branch and bound over the surrogate, the lowest last.
 
-    `pool` (t, d) holds points of the unit cube, the lowest of which in a box are the starts of its relaxation.
+    `pool` (t, d) holds points of the unit cube: the first relaxation is minimised from 16 of them, of all ranks; every other
+    one from its parent's minimiser and the n_starts − 1 lowest of the pool in its box.
     """
-
-    def predict(point: FloatArray) -> float:
-        return float(surrogate.predict(point[None, :])[0])
-
-    points = branch_and_bound(_relaxation(surrogate, pool, n_starts), predict, space, max_nodes)
-    return np.array(points).reshape(-1, space.dimension)
+    values = surrogate.predict(pool)
+    ranked = pool[np.argsort(values, kind="stable")]
+    scale = float(np.ptp(values)) or 1.0
+    relaxations = _relaxations(surrogate, ranked, n_starts, TOLERANCE * scale)
+    found = branch_and_bound(relaxations, surrogate.predict, space, max_nodes)
+    if not space.integer.all():
+        found.extend(_with_better_reals(surrogate, space, found[-1], FINAL_TOLERANCE * scale))
+    return np.array(found)
 
 
 def branch_and_bound(
-    relaxation: Relaxation, predict: Callable[[FloatArray], float], space: Space, max_nodes: int
+    relaxations: Relaxations, predict: Callable[[FloatArray], FloatArray], space: Space, max_nodes: int
 ) -> list[FloatArray]:
     """The integer points (d,) of the unit cube, each lower in f̂ than the one before, met in up to `max_nodes` boxes.
 
@@ -64,57 +97,88 @@ def branch_and_bound(
     that there is something to bound by from the first box on.
     """
     found: list[FloatArray] = []
-    best, order = np.inf, itertools.count()
-    queue: list[tuple[float, int, FloatArray, FloatArray, FloatArray | None]]
-    queue = [(-np.inf, next(order), np.zeros(space.dimension), np.ones(space.dimension), None)]
-    for _ in range(max_nodes):
-        if not queue or queue[0][0] >= best:
-            break
-        _, _, lower, upper, start = heapq.heappop(queue)
-        point, bound = relaxation(lower, upper, start)
-        whole = space.to_unit(space.from_unit(point))
-        if (value := predict(whole)) < best:
-            best = value
-            found.append(whole)
-        for low, high in _halves(space, point, lower, upper):
-            heapq.heappush(queue, (bound, next(order), low, high, point))
+    best, corner = np.inf, np.zeros((1, space.dimension))
+    queue = Boxes(corner, corner + 1.0, corner + 0.5, np.array([-np.inf]))
+    while max_nodes > 0 and len(queue := queue.taken(np.flatnonzero(queue.bounds < best))):
+        order = np.argsort(queue.bounds, kind="stable")
+        now = min(BATCH, max_nodes)
+        boxes, queue = queue.taken(order[:now]), queue.taken(order[now:])
+        max_nodes -= len(boxes)
+        points, bounds = relaxations(boxes)
+        whole = space.to_unit(space.from_unit(points))
+        values = predict(whole)
+        if values.min() < best:
+            met, best = _descent(predict, space, whole[np.argmin(values)], float(values.min()))
+            found.extend(met)
+        queue = queue.joined(_halves(space, boxes, points, bounds))
     return found
 
 
-def _halves(space: Space, point: FloatArray, lower: FloatArray, upper: FloatArray) -> list[tuple[FloatArray, FloatArray]]:
-    """The two boxes without the fractional values of the most fractional integer; none if all are whole."""
+def _descent(
+    predict: Callable[[FloatArray], FloatArray], space: Space, point: FloatArray, value: float
+) -> tuple[list[FloatArray], float]:
+    """From an integer point (d,) by the best single step of an integer until none is lower: the points, the last value."""
+    integers = np.flatnonzero(space.integer)
+    steps = np.zeros((2 * len(integers), space.dimension))
+    steps[np.arange(len(steps)), np.tile(integers, 2)] = np.repeat([1.0, -1.0], len(integers))
+    path = [point]
+    while len(steps):
+        near = space.to_unit(np.clip(space.from_unit(path[-1]) + steps, space.lower, space.upper))
+        values = predict(near)
+        lowest = int(np.argmin(values))
+        if not values[lowest] < value:
+            break
+        path.append(near[lowest])
+        value = float(values[lowest])
+    return path, value
+
+
+def _halves(space: Space, boxes: Boxes, points: FloatArray, bounds: FloatArray) -> Boxes:
+    """The boxes without the fractional values of the most fractional integer, two of each; none where all are whole."""
     span = space.upper - space.lower
-    steps = point * span
+    steps = points * span
     fraction = np.where(space.integer, np.abs(steps - np.round(steps)), 0.0)
-    split = int(np.argmax(fraction))
-    if fraction[split] <= WHOLE:
-        return []
-    below, above = upper.copy(), lower.copy()
-    below[split] = np.floor(steps[split]) / span[split]
-    above[split] = np.ceil(steps[split]) / span[split]
-    return [(lower, below), (above, upper)]
+    split = np.argmax(fraction, axis=1)
+    parents = np.flatnonzero(fraction.max(axis=1) > WHOLE)
+    lower, upper, split = boxes.lower[parents], boxes.upper[parents], split[parents]
+    below, above, rows = upper.copy(), lower.copy(), np.arange(len(parents))
+    below[rows, split] = np.floor(steps[parents, split]) / span[split]
+    above[rows, split] = np.ceil(steps[parents, split]) / span[split]
+    twice = np.tile(parents, 2)
+    return Boxes(np.concatenate([lower, above]), np.concatenate([below, upper]), points[twice], bounds[twice])
 
 
-def _relaxation(surrogate: SmoothFunction, pool: FloatArray, n_starts: int) -> Relaxation:
-    """Minimise the surrogate in a box by L-BFGS-B from the parent's minimiser and the lowest points of the pool."""
-    values = surrogate.predict(pool)
-    order = np.argsort(values, kind="stable")
-    ranked = pool[order]
-    scale = float(np.ptp(values)) or 1.0
+def _relaxations(surrogate: SmoothFunction, ranked: FloatArray, n_starts: int, tolerance: float) -> Relaxations:
+    """Minimise the surrogate in boxes, with the points of the pool `ranked` (t, d) by their values, the lowest first."""
+    spread = ranked[:: -(-len(ranked) // BATCH)]
 
-    def scaled(point: FloatArray) -> tuple[float, FloatArray]:
-        row = point[None, :]
-        return float(surrogate.predict(row)[0]) / scale, surrogate.gradient(row)[0] / scale
-
-    def relax(lower: FloatArray, upper: FloatArray, start: FloatArray | None) -> tuple[FloatArray, float]:
-        inside = ranked[((ranked >= lower) & (ranked <= upper)).all(axis=1)]
-        starts = [] if start is None else [np.clip(start, lower, upper)]
-        starts += list(inside[: n_starts - len(starts)])
-        bounds = np.column_stack([lower, upper])
-        results = [
-            minimize(scaled, x, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxiter": ITERATIONS}) for x in starts
-        ]
-        best = min(results, key=lambda result: result.fun)
-        return np.clip(best.x, lower, upper), float(best.fun) * scale
+    def relax(boxes: Boxes) -> tuple[FloatArray, FloatArray]:
+        if np.isinf(boxes.bounds[0]):
+            rows, starts, iterations = np.zeros(len(spread), dtype=np.intp), spread, FIRST_ITERATIONS
+        else:
+            rows, others = _lowest_inside(ranked, boxes, n_starts - 1)
+            rows, starts = np.concatenate([np.arange(len(boxes)), rows]), np.concatenate([boxes.starts, others])
+            iterations = ITERATIONS
+        points, values = minimised(surrogate, starts, boxes.lower[rows], boxes.upper[rows], tolerance, iterations)
+        order = np.lexsort((values, rows))
+        first = order[np.searchsorted(rows[order], np.arange(len(boxes)))]
+        return points[first], values[first]
 
     return relax
+
+
+def _lowest_inside(ranked: FloatArray, boxes: Boxes, count: int) -> tuple[NDArray[np.intp], FloatArray]:
+    """Up to `count` of the ranked points (t, d) in each box, the first ones: the rows of the boxes, and the points."""
+    if not count:
+        return np.empty(0, dtype=np.intp), ranked[:0]
+    inside = ((ranked >= boxes.lower[:, None]) & (ranked <= boxes.upper[:, None])).all(axis=2)
+    rows, places = np.nonzero(inside & (np.cumsum(inside, axis=1) <= count))
+    return rows, ranked[places]
+
+
+def _with_better_reals(surrogate: SmoothFunction, space: Space, point: FloatArray, tolerance: float) -> list[FloatArray]:
+    """The point (d,) with its integers held and its reals minimised, if that is lower."""
+    row = point[None, :]
+    lower, upper = (np.where(space.integer, row, bound) for bound in (0.0, 1.0))
+    points, values = minimised(surrogate, row, lower, upper, tolerance, FIRST_ITERATIONS)
+    return list(points[values < surrogate.predict(row)])
