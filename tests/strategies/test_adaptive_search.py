@@ -171,7 +171,9 @@ def test_what_is_proposed_has_the_largest_expected_improvement_of_all_candidates
 
 
 def test_a_weight_in_the_cycle_means_the_merit_and_the_turns_go_round():
-    choices, _ = watched(AdaptiveInterpolantSearch, {"cycle": ["0.3", "improvement"], "transforms": ["identity"]})
+    choices, _ = watched(
+        AdaptiveInterpolantSearch, {"cycle": ["merit", "improvement"], "weights": [0.3], "transforms": ["identity"]}
+    )
     for turn, (surrogate, points, evaluated, values, chosen) in enumerate(choices):
         distances = cdist(points, evaluated).min(axis=1)
         free = np.flatnonzero(distances >= 1e-3)
@@ -213,8 +215,8 @@ def test_mixed_perturbations_reach_farther_and_nearer_than_those_of_one_size():
     [
         ({"transforms": ["root"]}, "transforms: unknown 'root'; there are copula, logarithm, identity"),
         ({"transforms": []}, "one or more entries"),
-        ({"cycle": ["improvment"]}, "'improvement' or a weight from 0 to 1 is needed, received 'improvment'"),
-        ({"cycle": ["1.2"]}, "a weight from 0 to 1 is needed, received '1.2'"),
+        ({"cycle": ["improvment"]}, "improvment"),
+        ({"cycle": []}, "one or more entries"),
     ],
 )
 def test_faults_are_named(settings, message):

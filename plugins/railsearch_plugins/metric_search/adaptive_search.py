@@ -21,7 +21,7 @@ from .search import MetricSearch
 from .trajectory import Trajectory
 from .transforms import TRANSFORMS
 
-IMPROVEMENT = "improvement"
+IMPROVEMENT, MERIT = "improvement", "merit"
 
 STEP_SIZES = (2.0, 1.0, 1.0, 0.5, 0.25, 0.125)
 """Standard deviations of mixed perturbations in units of the trajectory's σ, each as likely."""
@@ -36,8 +36,9 @@ class AdaptiveSearchParameters(DynamicCoordinateParameters):
 
     cycle: tuple[str, ...] = parameter(
         (IMPROVEMENT,),
-        meaning="what designs are chosen by in turn: 'improvement', or a weight of the surrogate value in the merit",
+        meaning="what designs are chosen by in turn: expected improvement, or merit with the next of the weights",
         source="own choice",
+        choices=(IMPROVEMENT, MERIT),
     )
     transforms: tuple[str, ...] = parameter(
         ("identity",),
@@ -63,8 +64,6 @@ class AdaptiveSearchParameters(DynamicCoordinateParameters):
                 raise InputError(f"transforms: unknown '{name}'; there are {', '.join(TRANSFORMS)}")
         if not self.transforms or not self.cycle:
             raise InputError("transforms and cycle: one or more entries are needed, received an empty list")
-        for entry in self.cycle:
-            _check_entry(entry)
 
 
 class AdaptiveSearch(MetricSearch):
@@ -125,8 +124,8 @@ class AdaptiveSearch(MetricSearch):
     ) -> FloatArray:
         """What is minimised next, at points (t, d): the merit, or minus the expected improvement."""
         values, entry = surrogate.predict(points), next(self._cycle)
-        if entry != IMPROVEMENT:
-            return merit(values, distances, float(entry))
+        if entry == MERIT:
+            return merit(values, distances, next(self._weights))
         improvement = expected_improvement(values, surrogate.deviation(points), best)
         return values if improvement.max() <= NEGLIGIBLE * spread else -improvement
 
@@ -150,13 +149,3 @@ def _believing(surrogate: UncertainSurrogate, points: FloatArray, values: FloatA
     except SurrogateError:
         return surrogate
     return believing
-
-
-def _check_entry(entry: str) -> None:
-    """Raise InputError for an entry of the cycle that is neither 'improvement' nor a weight."""
-    try:
-        sound = entry == IMPROVEMENT or 0.0 <= float(entry) <= 1.0
-    except ValueError:
-        sound = False
-    if not sound:
-        raise InputError(f"cycle: '{IMPROVEMENT}' or a weight from 0 to 1 is needed, received '{entry}'")

@@ -18,7 +18,7 @@ class AdaptiveKrigingParameters(AdaptiveSearchParameters):
     surrogate: str = parameter("kriging", meaning="name of the registered surrogate, one that has a deviation")
     surrogate_settings: dict[str, object] | None = parameter(  # noqa: RUF009 - a field, not a value
         None,
-        meaning="parameters of the surrogate; kriging has length_scale_prior = 0.5, starts = 2, reoptimise_every = 5 if not set",
+        meaning="parameters of the surrogate; kriging has length_scale_prior 0.5, starts 2, reoptimise_every 5 if not set",
     )
     tree_search: bool = parameter(
         False, meaning="in problems with integers, enrich the candidates by branch and bound over the surrogate"

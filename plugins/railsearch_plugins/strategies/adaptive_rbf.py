@@ -4,17 +4,30 @@ from dataclasses import dataclass
 
 from railsearch.hookspecs import Register, hookimpl
 from railsearch.interfaces import Capabilities, parameter
-from railsearch_plugins.metric_search.adaptive_search import AdaptiveSearch, AdaptiveSearchParameters
+from railsearch_plugins.metric_search.adaptive_search import (
+    IMPROVEMENT,
+    MERIT,
+    AdaptiveSearch,
+    AdaptiveSearchParameters,
+)
 
 
 @dataclass(frozen=True)
 class AdaptiveInterpolantParameters(AdaptiveSearchParameters):
     """What can be set of the search."""
 
-    cycle: tuple[str, ...] = parameter(
-        ("0.3", "improvement", "0.8", "improvement"),
-        meaning="what designs are chosen by in turn: 'improvement', or a weight of the surrogate value in the merit",
+    weights: tuple[float, ...] = parameter(
+        (0.3, 0.8),
+        meaning="cycle of the weight of the surrogate value in the merit; the rest is the weight of the distance",
         source="own study of 45 variants",
+        minimum=0.0,
+        maximum=1.0,
+    )
+    cycle: tuple[str, ...] = parameter(
+        (MERIT, IMPROVEMENT),
+        meaning="what designs are chosen by in turn: expected improvement, or merit with the next of the weights",
+        source="own study of 45 variants",
+        choices=(IMPROVEMENT, MERIT),
     )
     transforms: tuple[str, ...] = parameter(
         ("copula", "logarithm", "identity"),
