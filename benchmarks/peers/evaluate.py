@@ -115,7 +115,7 @@ def page(record: Gathered, known: Mapping[str, float], found: Found, said: Mappi
     machine = said["machine"]
     parts = [
         "# Peers benchmark\n",
-        f"Record {said['status']}: {runs}; {said['date']}, commit {said['commit']}.\n",
+        f"Record {said['status']}: {runs}; evaluated on {said['date']} at commit {said['commit']}.\n",
         f"{machine['processor']}, {machine['cores']} cores; {libraries}.\n",
         f"## Beside {REFERENCE}\n",
         standings_table(found.standings, record.cells),
