@@ -10,19 +10,11 @@ from typing import Any
 import pytest
 from hypothesis import settings
 
+from command_line import Answer
 from railsearch.cli import main
 
 settings.register_profile("repeatable", derandomize=True, deadline=None)
 settings.load_profile("repeatable")
-
-
-@dataclass(frozen=True)
-class Answer:
-    """What a command printed, and its exit code."""
-
-    code: int
-    out: str
-    err: str
 
 
 @pytest.fixture

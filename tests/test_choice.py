@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from conftest import Answer
+from command_line import Answer
 from html_page import Page
 from railsearch.campaign.definition import load_campaign
 from railsearch.campaign.problems import make_problems

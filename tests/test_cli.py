@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from conftest import Answer
+from command_line import Answer
 from railsearch.hookspecs import hookimpl
 from sample_problems import Troubled, TwoObjectives
 

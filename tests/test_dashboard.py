@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import Answer
+from command_line import Answer
 from postgresql_server import free_port
 from test_cli import sample_problems
 

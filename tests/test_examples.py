@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import Answer
+from command_line import Answer
 from railsearch.campaign.definition import load_campaign
 from railsearch.plugin_manager import load_plugins
 from railsearch.site import site_template

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from conftest import Answer
+from command_line import Answer
 from railsearch.interfaces import Quantity
 from railsearch.preferences import Desirability, Linear, PhysicalProgramming, StatedPreference
 from railsearch.preferences.physical_programming import RANGES

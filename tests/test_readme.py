@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from conftest import Answer
+from command_line import Answer
 from railsearch.testing import check_strategy
 
 ROOT = Path(__file__).parents[1]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from conftest import Answer
+from command_line import Answer
 from html_page import Page
 from railsearch.interfaces import Evaluation
 from railsearch.report import write_figures, write_report

@@ -97,6 +97,8 @@ def refused(load: Load, text: str) -> str:
 def test_the_format_in_the_documentation_is_read(load: Load, registry: Registry, tmp_path: Path) -> None:
     text = textwrap.dedent(re.search(r"\n\n(    \[campaign\].*?)\n\n[A-Z]", definition.__doc__ or "", re.DOTALL)[1])
     (tmp_path / "my-site.toml").write_text(site_template(registry, "level-crossing"), encoding="utf-8")
+    linear = '[preferences.{}]\nfunction = "linear"\nbest = 0.0\nworst = 1.0\n'
+    (tmp_path / "preferences.toml").write_text(linear.format("F_max") + linear.format("E_max"), encoding="utf-8")
     campaign = load(text)
     assert (campaign.name, campaign.budget, campaign.repetitions, campaign.seed) == ("crossing", 200, 15, 1)
     assert (campaign.batch_size, campaign.timeout) == (1, 60.0)
@@ -107,9 +109,10 @@ def test_the_format_in_the_documentation_is_read(load: Load, registry: Registry,
     ]
     assert campaign.strategies[2].settings["sigma_start"] == 0.4
     assert campaign.strategies[2].settings["tree_search"] is True, "defaults are spelt out"
-    assert [entry.label for entry in campaign.problems] == ["sphere", "asf", "front"]
-    assert campaign.problems[2].settings.objectives == ("F_max", "E_max")
-    assert campaign.problems[2].reference_point == {"F_max": 6000.0, "E_max": 1.5}
+    assert [entry.label for entry in campaign.problems] == ["sphere", "asf", "stakeholders", "front"]
+    assert campaign.problems[2].settings.scalariser_settings["preferences"]["F_max"]["worst"] == 1.0
+    assert campaign.problems[3].settings.objectives == ("F_max", "E_max")
+    assert campaign.problems[3].reference_point == {"F_max": 6000.0, "E_max": 1.5}
     settings = campaign.problems[1].settings
     assert (settings.name, settings.objectives, settings.scalariser) == ("level-crossing", (), "asf")
     assert settings.scalariser_settings["rho"] == 0.1
@@ -145,7 +148,7 @@ def test_the_template_is_a_campaign_as_it_stands_and_with_all_its_comments(
     assert [problem.n_obj for problem in problems.values()] == [1]
     (tmp_path / "my-site.toml").write_text(site_template(registry, name), encoding="utf-8")
     in_full = re.sub(r"^# (?=\[\[|\w+ = )", "", text, flags=re.MULTILINE)
-    single = "\n".join(line for line in in_full.splitlines() if not line.startswith("scalari"))
+    single = "\n".join(line for line in in_full.splitlines() if not line.startswith(("scalari", "preferences")))
     assert load(single).problems[0].label == "my-label"
     assert load(single).timeout == 60.0
 

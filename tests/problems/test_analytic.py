@@ -13,7 +13,7 @@ from pymoo.problems import get_problem
 from scipy.optimize import brentq, minimize
 
 import railsearch
-from conftest import Answer
+from command_line import Answer
 from railsearch.errors import InputError
 from railsearch.indicators import hypervolume, non_dominated
 from railsearch.plugin_manager import load_plugins

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import railsearch
-from conftest import Answer
+from command_line import Answer
 from railsearch.errors import InputError, PluginError
 from railsearch.sampling import random_designs
 from railsearch_problems.coco import Bbob, BbobBiobj, CocoProblem

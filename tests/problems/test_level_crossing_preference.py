@@ -13,7 +13,7 @@ from pymoo.algorithms.moo.nsga2 import NSGA2
 from pymoo.optimize import minimize
 
 import railsearch
-from conftest import Answer
+from command_line import Answer
 from railsearch.errors import InputError
 
 NAME = "level-crossing-preference"

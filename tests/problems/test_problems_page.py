@@ -5,7 +5,7 @@ import tomllib
 from collections.abc import Callable
 from pathlib import Path
 
-from conftest import Answer
+from command_line import Answer
 from railsearch.plugin_manager import load_plugins
 from railsearch_problems.coco import CocoProblem
 

@@ -11,7 +11,7 @@ import pytest
 from pymoo.problems import get_problem
 
 import railsearch
-from conftest import Answer
+from command_line import Answer
 from railsearch.errors import InputError, PluginError
 from railsearch.plugin_manager import load_plugins
 from railsearch.problem_factory import ProblemSettings, make_problem

@@ -144,6 +144,18 @@ def test_rows_end_where_the_gradient_leaves_the_box_and_never_above_their_start(
     assert np.all((points >= lower) & (points <= upper))
 
 
+@pytest.mark.parametrize("kernel", ["cubic", "thin-plate", "linear"])
+def test_values_and_gradients_at_once_are_those_of_the_single_calls(kernel):
+    generator = np.random.default_rng(5)
+    parameters = RadialBasisFunctionParameters(kernel=kernel, length_scales=(0.5, 1.0, 2.0))
+    surrogate = RadialBasisFunctionInterpolant(3, parameters)
+    surrogate.fit(generator.random((30, 3)), generator.standard_normal(30))
+    points = generator.random((7, 3))
+    values, gradients = surrogate.predict_with_gradient(points)
+    assert values.tobytes() == surrogate.predict(points).tobytes()
+    assert gradients.tobytes() == surrogate.gradient(points).tobytes()
+
+
 def test_a_row_does_not_depend_on_what_is_minimised_beside_it():
     function, starts = Convex(1), np.random.default_rng(1).random((9, 4))
     zeros, ones = np.zeros((9, 4)), np.ones((9, 4))
