@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.spatial.distance import cdist
-from scipy.stats import norm
+from scipy.stats import norm, spearmanr
 
 from railsearch.errors import CapabilityError, InputError
 from railsearch.parameters import make_parameters
@@ -22,6 +22,7 @@ from railsearch_plugins.metric_search.merit import merit
 from railsearch_plugins.metric_search.transforms import TRANSFORMS
 from railsearch_plugins.strategies.adaptive_kriging import AdaptiveKrigingSearch
 from railsearch_plugins.strategies.adaptive_rbf import AdaptiveInterpolantSearch
+from railsearch_plugins.surrogates.kriging import Kriging, KrigingParameters
 from railsearch_plugins.surrogates.rbf import RadialBasisFunctionInterpolant, RadialBasisFunctionParameters
 
 ALL = ("copula", "logarithm", "identity")
@@ -200,14 +201,79 @@ def test_designs_of_a_batch_are_apart_and_the_second_is_chosen_as_if_the_first_w
     assert improvement[chosen[1]] == improvement[free].max()
 
 
-def test_mixed_perturbations_reach_farther_and_nearer_than_those_of_one_size():
-    spreads = {}
-    for mixed in (True, False):
-        choices, _ = watched(AdaptiveKrigingSearch, {"surrogate": "rbf", "mixed_perturbations": mixed})
-        _, points, evaluated, _, _ = choices[0]
-        distances = cdist(points, evaluated).min(axis=1)
-        spreads[mixed] = np.quantile(distances[distances > 0.0], 0.1), np.quantile(distances, 0.9)
-    assert spreads[True][0] < spreads[False][0]
+def late_steps(mixed):
+    """Steps of candidates from the incumbent near the end of a run in 12 variables, in units of σ; 0 is no step."""
+    steps = []
+
+    class Watched(AdaptiveKrigingSearch):
+        def _candidates(self):
+            candidates, trajectory = super()._candidates(), self._trajectory
+            steps.append((candidates - trajectory.incumbent) / trajectory.step.sigma)
+            return candidates
+
+    space = Space(tuple(Variable(f"x{k}", 0.0, 1.0) for k in range(12)))
+    settings = {"surrogate": "rbf", "mixed_perturbations": mixed, "sigma_start": 0.02}
+    run_trial(Watched, Trial(space, budget=60), settings, objective=lambda x: np.array([np.sum((x - 0.5) ** 2)]))
+    return np.vstack(steps[-5:])
+
+
+def test_mixed_perturbations_are_of_many_sizes_and_of_few_and_many_coordinates():
+    mixed, plain = late_steps(True), late_steps(False)
+    many = [np.mean(np.sum(steps != 0.0, axis=1) > 7) for steps in (mixed, plain)]
+    assert many[0] > 0.05
+    assert many[1] < 0.01
+    large, small = ([np.mean(test(np.abs(steps[steps != 0.0]))) for steps in (mixed, plain)] for test in (
+        lambda size: size > 3.2, lambda size: size < 0.02
+    ))  # fmt: skip
+    assert large[0] > 0.008 > large[1]
+    assert small[0] > 1.5 * small[1]
+
+
+def test_the_score_is_the_rank_correlation_of_all_points_and_of_the_better_half():
+    points = points_of(40)
+    values = np.sin(5.0 * points).sum(axis=1)
+    fitted = make_rbf({})
+    fitted.fit(points, values)
+    predicted, better = values - fitted.leave_one_out_residuals(), values <= np.median(values)
+    expected = spearmanr(values, predicted).statistic + spearmanr(values[better], predicted[better]).statistic
+    assert AdaptiveModel(make_rbf)._score(points, values) == pytest.approx(expected)
+
+
+def test_between_equals_the_present_transform_stays(monkeypatch):
+    monkeypatch.setattr(AdaptiveModel, "_score", lambda self, points, transformed: 1.0)
+    model = AdaptiveModel(make_rbf, Adaptation(ALL))
+    for present in ALL:
+        model.transform = present
+        model._adapt(points_of(20), bowl(points_of(20)))
+        assert model.transform == present
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_length_scales_never_raise_the_error_that_is_weighted_towards_the_best_points(seed):
+    points = points_of(40, seed)
+    values = bowl(points) + 0.3 * np.random.default_rng(seed).standard_normal(40)
+    scales = AdaptiveModel(make_rbf, Adaptation(length_scales=True), np.random.default_rng(seed))._moved_scales(
+        points, values
+    )
+    weights = 1.0 / (1.0 + 4.0 * np.argsort(np.argsort(values)) / 40.0)
+    errors = []
+    for settings in ({}, {"length_scales": scales.tolist()}):
+        fitted = make_rbf(settings)
+        fitted.fit(points, values)
+        errors.append(np.sum(weights * fitted.leave_one_out_residuals() ** 2))
+    assert errors[1] <= errors[0]
+
+
+@pytest.mark.parametrize(("settings", "prior"), [({}, 0.5), ({"surrogate_settings": {"length_scale_prior": 2.0}}, 2.0)])
+def test_kriging_is_regularised_unless_it_is_told_otherwise(settings, prior):
+    seen = []
+
+    def make(name, dimension, given):
+        seen.append((name, given["length_scale_prior"]))
+        return Kriging(dimension, make_parameters(KrigingParameters, given, "surrogate kriging"))
+
+    run_trial(AdaptiveKrigingSearch, Trial(SPACE, budget=24), settings, surrogate=make)
+    assert set(seen) == {("kriging", prior)}
 
 
 @pytest.mark.parametrize(

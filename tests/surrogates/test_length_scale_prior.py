@@ -6,7 +6,8 @@ from scipy.optimize import approx_fprime
 from scipy.stats import lognorm
 
 from railsearch.parameters import make_parameters
-from railsearch_plugins.gaussian_process.estimation import _surprise
+from railsearch_plugins.gaussian_process.estimation import Hyperparameters, _surprise, criterion
+from railsearch_plugins.gaussian_process.system import Training
 from railsearch_plugins.surrogates.kriging import Kriging, KrigingParameters
 
 
@@ -62,3 +63,18 @@ def test_few_points_of_equally_important_variables_are_not_told_apart_by_chance(
     truth = np.sum((queries - 0.5) ** 2, axis=1)
     errors = {p: np.std(fitted(points, values, length_scale_prior=p).predict(queries) - truth) for p in (0.5, None)}
     assert errors[0.5] < errors[None]
+
+
+def test_the_estimate_is_the_minimiser_of_the_criterion_and_the_prior_together():
+    points = np.random.default_rng(0).random((15, 1))
+    values = np.sin(8.0 * points[:, 0])
+    settings = make_parameters(KrigingParameters, {"length_scale_prior": 0.2}, "surrogate kriging")
+    model = Kriging(1, settings)
+    model.fit(points, values)
+    training = Training(points, np.ones((15, 1)), values)
+    scales = np.geomspace(0.05, 5.0, 4000)
+    sums = [
+        criterion(training, settings, Hyperparameters(np.array([scale]), 0.0))[0] + (np.log(scale / 0.5) / 0.2) ** 2 / 15
+        for scale in scales
+    ]
+    assert model.process.hyperparameters.length_scales[0] == pytest.approx(scales[np.argmin(sums)], rel=3e-3)
