@@ -217,7 +217,8 @@ def test_the_lowest_met_cannot_be_improved_by_a_single_step_of_an_integer(seed):
     surrogate = wavy_surrogate(INTEGERS, seed)
     found = tree_search(surrogate, INTEGERS, np.random.default_rng(seed).random((400, 4)), n_starts=1, max_nodes=1)
     steps = np.vstack([np.eye(4), -np.eye(4)])
-    near = np.clip(INTEGERS.from_unit(found[-1]) + steps, INTEGERS.lower, INTEGERS.upper)
+    near = INTEGERS.from_unit(found[-1]) + steps
+    near = near[((near >= INTEGERS.lower) & (near <= INTEGERS.upper)).all(axis=1)]
     assert surrogate.predict(found[-1:])[0] <= surrogate.predict(INTEGERS.to_unit(near)).min()
 
 

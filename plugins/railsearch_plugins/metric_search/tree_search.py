@@ -34,7 +34,10 @@ WHOLE = 1e-6
 BATCH = 16
 """Boxes whose relaxations are minimised side by side, and starts of the first one."""
 
-ITERATIONS = 10
+LOWEST = 256
+"""So many points of the pool, the lowest, are starts of boxes after the first one."""
+
+ITERATIONS = 8
 """Limit of the iterations of one relaxation: a box begins where the box that it was split off came to."""
 
 FIRST_ITERATIONS = 30
@@ -76,7 +79,7 @@ def tree_search(surrogate: SmoothFunction, space: Space, pool: FloatArray, n_sta
     """The integer points (k, d), unit cube, met in a branch and bound over the surrogate, the lowest last.
 
     `pool` (t, d) holds points of the unit cube: the first relaxation is minimised from 16 of them, of all ranks; every other
-    one from its parent's minimiser and the n_starts − 1 lowest of the pool in its box.
+    one from its parent's minimiser and the n_starts − 1 lowest in its box, of the 256 lowest of the pool.
     """
     values = surrogate.predict(pool)
     ranked = pool[np.argsort(values, kind="stable")]
@@ -122,9 +125,10 @@ def _descent(
     steps = np.zeros((2 * len(integers), space.dimension))
     steps[np.arange(len(steps)), np.tile(integers, 2)] = np.repeat([1.0, -1.0], len(integers))
     path = [point]
-    while len(steps):
-        near = space.to_unit(np.clip(space.from_unit(path[-1]) + steps, space.lower, space.upper))
-        values = predict(near)
+    while True:
+        near = space.from_unit(path[-1]) + steps
+        near = space.to_unit(near[((near >= space.lower) & (near <= space.upper)).all(axis=1)])
+        values = predict(near) if len(near) else np.array([np.inf])
         lowest = int(np.argmin(values))
         if not values[lowest] < value:
             break
@@ -156,7 +160,7 @@ def _relaxations(surrogate: SmoothFunction, ranked: FloatArray, n_starts: int, t
         if np.isinf(boxes.bounds[0]):
             rows, starts, iterations = np.zeros(len(spread), dtype=np.intp), spread, FIRST_ITERATIONS
         else:
-            rows, others = _lowest_inside(ranked, boxes, n_starts - 1)
+            rows, others = _lowest_inside(ranked[:LOWEST], boxes, n_starts - 1)
             rows, starts = np.concatenate([np.arange(len(boxes)), rows]), np.concatenate([boxes.starts, others])
             iterations = ITERATIONS
         points, values = minimised(surrogate, starts, boxes.lower[rows], boxes.upper[rows], tolerance, iterations)

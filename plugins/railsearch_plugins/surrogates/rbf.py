@@ -117,6 +117,15 @@ class RadialBasisFunctionInterpolant:
         self._check_fitted()
         return self._gradient(np.atleast_2d(points), self._weights, self._coefficients[None, :])
 
+    def predict_with_gradient(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """What `predict` and `gradient` give at points (k, d), to the last bit, for little more than one of them."""
+        self._check_fitted()
+        points = np.atleast_2d(points)
+        distances = cdist(points / self._scales, self._points / self._scales)
+        predicted: FloatArray = self._kernel.value(distances) @ self._weights
+        predicted += self._kernel.tail(points) @ self._coefficients
+        return predicted, self._slopes(points, distances, self._weights, self._coefficients[None, :])
+
     def deviation(self, points: FloatArray) -> FloatArray:
         """Standard deviations (k,) at points (k, d): the square root of σ² s(φ(0) − uᵀA⁻¹u), zero at the points of the fit.
 
@@ -256,6 +265,12 @@ class RadialBasisFunctionInterpolant:
     def _gradient(self, points: FloatArray, weights: FloatArray, coefficients: FloatArray) -> FloatArray:
         """Derivatives (k, d) of Σ_j w_j φ_j + cᵀ p with weights w (n,) or (k, n) and coefficients c (1, m) or (k, m)."""
         distances = cdist(points / self._scales, self._points / self._scales)
+        return self._slopes(points, distances, weights, coefficients)
+
+    def _slopes(
+        self, points: FloatArray, distances: FloatArray, weights: FloatArray, coefficients: FloatArray
+    ) -> FloatArray:
+        """The same with the scaled distances (k, n) to the points of the fit at hand."""
         slopes = self._kernel.slope(distances) * weights
         gradient: FloatArray = (slopes.sum(axis=1, keepdims=True) * points - slopes @ self._points) / self._scales**2
         return gradient + (coefficients[:, :-1] if self._kernel.linear_tail else 0.0)
