@@ -231,6 +231,8 @@ def test_bad_preference_files_and_scalarisers_are_refused_before_anything_is_eva
         refused(run_of(railsearch, folder, "--strategy", "random", "--preferences", file, *words), *messages)
     refused(run_of(railsearch, folder, "--preferences", tmp_path / "absent.toml", *minmax), "absent.toml", "No such file")
     assert not folder.exists()
+    file.write_text(FILE)
+    assert run_of(railsearch, folder, "--strategy", "random").code == 0
     refused(railsearch("choose", folder, "--preferences", file, "--scalarise", "asf"), "asf does not take them", "imap")
     file.write_text(FILE.replace("right", "speed"))
     refused(railsearch("choose", folder, "--preferences", file), "unknown objective 'speed'", "left, right, comfort")
