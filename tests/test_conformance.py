@@ -16,7 +16,7 @@ from railsearch.testing import check_scalariser, check_strategy, check_surrogate
 from railsearch_plugins.scalarisers.asf import AchievementScalarisingFunction
 from railsearch_plugins.strategies.random import RandomSearch
 from railsearch_plugins.surrogates.rbf import RadialBasisFunctionInterpolant
-from registered_strategies import every_strategy, small_budget
+from registered_strategies import SMALL_SETTINGS, every_strategy, small_budget
 from sample_problems import Sphere, TwoObjectives
 
 
@@ -26,7 +26,7 @@ def registered(kind):
 
 @every_strategy
 def test_strategy(entry):
-    check_strategy(entry.plugin, budget=small_budget(entry.name))
+    check_strategy(entry.plugin, SMALL_SETTINGS.get(entry.name), budget=small_budget(entry.name))
 
 
 @every_strategy
