@@ -1,6 +1,5 @@
 """Search by expected improvement, and by merit in turn, over perturbations of the incumbent of several kinds."""
 
-import copy
 import itertools
 from dataclasses import dataclass
 from typing import cast
@@ -8,11 +7,12 @@ from typing import cast
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from railsearch.errors import InputError, SurrogateError
+from railsearch.errors import InputError
 from railsearch.interfaces import SearchContext, Surrogate, UncertainSurrogate, parameter, require_methods
 from railsearch.space import FloatArray
 
 from .adaptive_model import Adaptation, AdaptiveModel
+from .believer import believing
 from .candidates import perturbation_probability, perturbed
 from .expected_improvement import expected_improvement
 from .merit import merit
@@ -116,7 +116,7 @@ class AdaptiveSearch(MetricSearch):
             distances = np.minimum(distances, cdist(points, point)[:, 0])
             if len(chosen) < self._context.batch_size:
                 predicted = believer.predict(point)
-                believer, best = _believing(believer, point, predicted), min(best, float(predicted[0]))
+                believer, best = believing(believer, point, predicted), min(best, float(predicted[0]))
         return chosen
 
     def _scores(
@@ -139,13 +139,3 @@ class AdaptiveSearch(MetricSearch):
         needed = ["deviation"] + ["leave_one_out_residuals"] * (len(self._parameters.transforms) > 1)
         remedy = "take a surrogate that has them, such as rbf or kriging"
         require_methods(self._new_surrogate({}), self._parameters.surrogate, needed, "expected improvement", remedy)
-
-
-def _believing(surrogate: UncertainSurrogate, points: FloatArray, values: FloatArray) -> UncertainSurrogate:
-    """A copy of the surrogate that believes its predictions (k,) at points (k, d); itself if they cannot be added."""
-    believing = copy.deepcopy(surrogate)
-    try:
-        believing.add(points, values)
-    except SurrogateError:
-        return surrogate
-    return believing

@@ -11,7 +11,6 @@ the integers held, and with integers a branch and bound over −log EI joins in.
 (Ginsbourger, Le Riche and Carraro 2010): each design joins the surrogate with its predicted value before the next is chosen.
 """
 
-import copy
 from dataclasses import dataclass
 from typing import cast
 
@@ -19,7 +18,6 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.spatial.distance import cdist
 
-from railsearch.errors import SurrogateError
 from railsearch.hookspecs import Register, hookimpl
 from railsearch.interfaces import (
     Capabilities,
@@ -31,6 +29,7 @@ from railsearch.interfaces import (
 )
 from railsearch.sampling import random_designs
 from railsearch.space import FloatArray
+from railsearch_plugins.metric_search.believer import believing
 from railsearch_plugins.metric_search.candidates import perturbed
 from railsearch_plugins.metric_search.tree_search import tree_search
 from railsearch_plugins.surrogate_search.log_improvement import NegativeLogImprovement
@@ -137,7 +136,7 @@ class EfficientGlobalOptimisation(SurrogateSearch):
                 break
             point = space.to_unit(proposal.design)[None, :]
             believed = surrogate.predict(point)
-            surrogate = _believing(surrogate, point, believed)
+            surrogate = believing(surrogate, point, believed)
             evaluated, best = np.vstack([evaluated, point]), min(best, float(believed[0]))
         return proposals
 
@@ -193,16 +192,6 @@ class EfficientGlobalOptimisation(SurrogateSearch):
         if not space.integer.any() or not nodes:
             return np.empty((0, space.dimension))
         return space.from_unit(tree_search(improvement, space, space.to_unit(designs), 1, nodes))
-
-
-def _believing(surrogate: UncertainSurrogate, points: FloatArray, values: FloatArray) -> UncertainSurrogate:
-    """A copy of the surrogate that believes its predictions (k,) at points (k, d); itself if they cannot be added."""
-    believing = copy.deepcopy(surrogate)
-    try:
-        believing.add(points, values)
-    except SurrogateError:
-        return surrogate
-    return believing
 
 
 @hookimpl
