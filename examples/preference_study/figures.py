@@ -77,7 +77,7 @@ def _points(preferences, record, best, points):
         axes.plot(*place, marker, ms=9, color="#D55E00", mec="white", label=entry["label"])
     axes.set_xlabel("A_max [m/s²]")
     axes.set_ylabel("E_max [N·m]")
-    axes.legend(fontsize=SMALL, loc="upper left", framealpha=0.9)
+    figure.legend(fontsize=SMALL, loc="outside lower center", ncols=6, frameon=False)
     return figure
 
 
