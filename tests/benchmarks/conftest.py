@@ -15,18 +15,17 @@ HERE = Path(__file__).resolve().parent
 PEERS = HERE.parent.parent / "benchmarks" / "peers"
 
 
-@pytest.fixture(scope="session")
-def registry(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Registry]:
-    """All plugins, those of the distribution in benchmarks/peers among them."""
+@pytest.fixture
+def registry(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Registry:
+    """All plugins, those of the distribution in benchmarks/peers among them, which is installed for one test."""
     project = tomllib.loads((PEERS / "pyproject.toml").read_text())["project"]
     folder = tmp_path_factory.mktemp("site") / f"railsearch_peers-{project['version']}.dist-info"
     folder.mkdir()
     (folder / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n")
     points = project["entry-points"]["railsearch"]
     (folder / "entry_points.txt").write_text("\n".join(["[railsearch]", *(f"{k} = {v}" for k, v in points.items())]))
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(folder.parent))
-        yield load_plugins()
+    monkeypatch.syspath_prepend(str(folder.parent))
+    return load_plugins()
 
 
 @pytest.fixture
