@@ -19,6 +19,9 @@ from railsearch.interfaces import Evaluation
 from railsearch.plugin_manager import load_plugins
 from railsearch.run import RunSettings, run_search
 
+# A worker that dies loses what it has under way; a connection that breaks on a busy machine loses what all have.
+N_WORKERS = 3
+
 pytestmark = [pytest.mark.usefixtures("sample_plugin"), pytest.mark.xdist_group("campaign processes")]
 
 
@@ -28,7 +31,7 @@ class Cluster:
     def __init__(self) -> None:
         self.port = free_port()
         self.scheduler = self._program("dask_scheduler", "--host", "127.0.0.1", "--port", str(self.port))
-        self.workers = [self.worker() for _ in range(3)]
+        self.workers = [self.worker() for _ in range(N_WORKERS)]
 
     @property
     def address(self) -> str:
@@ -81,8 +84,7 @@ def test_the_campaign_ends_complete_and_equal_to_the_serial_one_whatever_dies(cl
     found, expected = trial.found(), serial.found()
     assert found == expected
     assert any("time limit" in reason for rows in found.values() for *_, reason in rows)
-    under_way = 1 + 2
-    assert trial.evaluations <= len(trial.calls) <= trial.evaluations + under_way
+    assert trial.evaluations <= len(trial.calls) <= trial.evaluations + 2 * N_WORKERS
 
 
 def test_a_worker_that_dies_is_noticed_while_the_others_go_on(cluster: Cluster, tmp_path: Path) -> None:
@@ -98,7 +100,7 @@ def test_a_worker_that_dies_is_noticed_while_the_others_go_on(cluster: Cluster, 
     trial.carry_out(places=DaskPlaces(DaskCluster(cluster.address)), watcher=Watcher(evaluation=kill))
     assert killed
     assert {len(rows) for rows in trial.found().values()} == {trial.budget}
-    assert len(trial.calls) <= trial.evaluations + 1
+    assert len(trial.calls) <= trial.evaluations + N_WORKERS
 
 
 def test_a_batch_of_one_run_is_evaluated_by_the_workers_although_one_dies(cluster: Cluster, tmp_path: Path) -> None:
@@ -120,8 +122,8 @@ def test_a_batch_of_one_run_is_evaluated_by_the_workers_although_one_dies(cluste
     alone = run_search(load_plugins(), Journalled(Behaviour()), settings)
     assert [e.design.tobytes() for e in spread.evaluations] == [e.design.tobytes() for e in alone.evaluations]
     assert [e.objectives for e in spread.evaluations] == [e.objectives for e in alone.evaluations]
-    assert len({line.split()[0] for line in calls}) == 3
-    assert 40 <= len(calls) <= 41
+    assert len({line.split()[0] for line in calls}) == N_WORKERS
+    assert 40 <= len(calls) <= 40 + N_WORKERS
 
 
 def test_an_address_without_a_scheduler_is_refused() -> None:
