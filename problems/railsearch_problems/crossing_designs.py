@@ -16,6 +16,19 @@ MEGA = 1e6
 PUBLISHED = "Shang et al. 2023"
 SAME_LENGTH = 1e-6
 
+Meaning = tuple[str, bool, str]
+"""Unit of a variable, whether it is an integer, and what it is."""
+
+PAD_MEANINGS: Mapping[str, Meaning] = {
+    "xr1": ("MN/m", False, "stiffness of the third railpad from the crossing"),
+    "xr2": ("MN/m", False, "stiffness of the second railpad from the crossing"),
+    "xr3": ("MN/m", False, "stiffness of the railpad adjacent to the crossing"),
+}
+STRENGTHENED_MEANINGS: Mapping[str, Meaning] = {
+    "xn": ("", True, "strengthened sleepers, counted from the crossing"),
+}
+STRIP_MEANING = "length of Type II strip from the approach side of the crossing"
+
 
 @dataclass(frozen=True)
 class PadBounds:
@@ -33,8 +46,8 @@ class StrengthenedBounds:
     upper: int = parameter(20, meaning="most strengthened sleepers", source=PUBLISHED, minimum=1)
 
 
-def bounded_space(bounds: Any, meanings: Mapping[str, tuple[str, bool, str]]) -> Space:
-    """The space of variables with `bounds` (a field with lower and upper each) and meanings: unit, integer, words."""
+def bounded_space(bounds: Any, meanings: Mapping[str, Meaning]) -> Space:
+    """The space of variables with `bounds` (a field with lower and upper each) and these meanings."""
     return Space(
         tuple(
             Variable(name, getattr(bounds, name).lower, getattr(bounds, name).upper, unit, integer, meaning)

@@ -27,7 +27,10 @@ from railsearch.parameters import parameter
 from railsearch.space import FloatArray
 from railsearch_problems.crossing_designs import (
     MEGA,
+    PAD_MEANINGS,
     PUBLISHED,
+    STRENGTHENED_MEANINGS,
+    STRIP_MEANING,
     TRACK_MODEL,
     PadBounds,
     StrengthenedBounds,
@@ -78,14 +81,12 @@ class Bounds:
 # The worst of 400 random designs of the Dutch case, 5947 N and 1.49 N·m, rounded up.
 WORST = {"F_max": 6000.0, "E_max": 1.5}
 MEANINGS = {
-    "xr1": ("MN/m", False, "stiffness of the third railpad from the crossing"),
-    "xr2": ("MN/m", False, "stiffness of the second railpad from the crossing"),
-    "xr3": ("MN/m", False, "stiffness of the railpad adjacent to the crossing"),
-    "xn": ("", True, "strengthened sleepers, counted from the crossing"),
+    **PAD_MEANINGS,
+    **STRENGTHENED_MEANINGS,
     "xs1": ("0.1 m", True, "distance from the second to the third sleeper"),
     "xs2": ("0.1 m", True, "distance from the first to the second sleeper"),
     "xs3": ("0.1 m", True, "distance from the interface to the first sleeper"),
-    "xl": ("0.1 m", True, "length of Type II strip from the approach side of the crossing"),
+    "xl": ("0.1 m", True, STRIP_MEANING),
 }
 
 

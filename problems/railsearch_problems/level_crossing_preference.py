@@ -32,7 +32,10 @@ from railsearch.space import FloatArray
 from railsearch_problems.construction_cost import PRINTED, Prices, check_priced, construction_cost
 from railsearch_problems.crossing_designs import (
     MEGA,
+    PAD_MEANINGS,
     SAME_LENGTH,
+    STRENGTHENED_MEANINGS,
+    STRIP_MEANING,
     TRACK_MODEL,
     PadBounds,
     StrengthenedBounds,
@@ -102,11 +105,9 @@ TRACK: Mapping[str, Any] = {
 WORST = {"E_max": 1.31, "A_max": 0.205, "C_cap": 12500.0}
 MEANINGS = {
     "xs": ("0.05 m", True, "sleeper spacing in the stretch next to the crossing"),
-    "xn": ("", True, "strengthened sleepers, counted from the crossing"),
-    "xr1": ("MN/m", False, "stiffness of the third railpad from the crossing"),
-    "xr2": ("MN/m", False, "stiffness of the second railpad from the crossing"),
-    "xr3": ("MN/m", False, "stiffness of the railpad adjacent to the crossing"),
-    "xl": ("0.05 m", True, "length of Type II strip from the approach side of the crossing"),
+    **STRENGTHENED_MEANINGS,
+    **PAD_MEANINGS,
+    "xl": ("0.05 m", True, STRIP_MEANING),
 }
 
 

@@ -7,8 +7,8 @@ from railsearch.interfaces import parameter
 
 
 @dataclass(frozen=True)
-class MetricSearchParameters:
-    """What can be set of every strategy that scores candidates by surrogate value and distance."""
+class SurrogateSearchParameters:
+    """What can be set of every search that begins with an initial design and goes on with surrogates."""
 
     initial_size: int | None = parameter(
         None,
@@ -16,6 +16,15 @@ class MetricSearchParameters:
         source="level-crossing study, Shang et al. 2023; Regis & Shoemaker 2013",
         minimum=1,
     )
+    surrogate_settings: dict[str, object] | None = parameter(  # noqa: RUF009 - a field, not a value
+        None, meaning="parameters of the surrogate that differ from its defaults, for instance {kernel = 'thin-plate'}"
+    )
+
+
+@dataclass(frozen=True)
+class MetricSearchParameters(SurrogateSearchParameters):
+    """What can be set of every strategy that scores candidates by surrogate value and distance."""
+
     weights: tuple[float, ...] = parameter(
         (0.3, 0.5, 0.8, 0.95),
         meaning="cycle of the weight of the surrogate value in the merit; the rest is the weight of the distance",
@@ -84,9 +93,6 @@ class MetricSearchParameters:
         minimum=1,
     )
     surrogate: str = parameter("rbf", meaning="name of the registered surrogate", source="Regis & Shoemaker 2007")
-    surrogate_settings: dict[str, object] | None = parameter(  # noqa: RUF009 - a field, not a value
-        None, meaning="parameters of the surrogate that differ from its defaults, for instance {kernel = 'thin-plate'}"
-    )
 
     def __post_init__(self) -> None:
         if not self.weights:

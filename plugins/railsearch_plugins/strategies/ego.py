@@ -34,6 +34,7 @@ from railsearch_plugins.metric_search.candidates import perturbed
 from railsearch_plugins.metric_search.tree_search import tree_search
 from railsearch_plugins.surrogate_search.log_improvement import NegativeLogImprovement
 from railsearch_plugins.surrogate_search.models import ResponseModels, surrogate_maker
+from railsearch_plugins.surrogate_search.parameters import MultiscaleParameters
 from railsearch_plugins.surrogate_search.search import SurrogateSearch, default_initial_size
 
 POLISHING_ITERATIONS = 30
@@ -41,20 +42,11 @@ POLISHING_ITERATIONS = 30
 
 
 @dataclass(frozen=True)
-class EfficientGlobalOptimisationParameters:
+class EfficientGlobalOptimisationParameters(MultiscaleParameters):
     """What can be set of the search."""
 
-    initial_size: int | None = parameter(
-        None,
-        meaning="designs before the search proper, the given ones included; if not given, max(20, 2(d + 1))",
-        source="level-crossing study, Shang et al. 2023",
-        minimum=1,
-    )
     surrogate: str = parameter(
         "kriging", meaning="name of the registered surrogate, one that has a deviation", source="Jones et al. 1998"
-    )
-    surrogate_settings: dict[str, object] | None = parameter(  # noqa: RUF009 - a field, not a value
-        None, meaning="parameters of the surrogate that differ from its defaults"
     )
     candidates_per_dimension: int = parameter(
         100,
@@ -62,28 +54,11 @@ class EfficientGlobalOptimisationParameters:
         source="own choice",
         minimum=2,
     )
-    maximum_candidates: int = parameter(
-        2000, meaning="upper limit of the number of candidates", source="own choice", minimum=2
-    )
     perturbed_coordinates: float = parameter(
         3.0,
         meaning="coordinates of the best design perturbed on average, one at least",
         source="own choice",
         above=0.0,
-    )
-    sigma: float = parameter(
-        0.2,
-        meaning="largest standard deviation of a perturbation, as a fraction of the range of a variable",
-        source="Regis & Shoemaker 2013",
-        above=0.0,
-        maximum=1.0,
-    )
-    sigma_halvings: int = parameter(
-        5,
-        meaning="how often it is halved, perturbations being shared among all sizes",
-        source="own choice",
-        minimum=0,
-        maximum=50,
     )
     polished: int = parameter(2, meaning="candidates that are polished by the gradient", source="own choice", minimum=0)
     tree_search_nodes: int = parameter(

@@ -26,24 +26,16 @@ from railsearch_plugins.metric_search.candidates import perturbation_probability
 from railsearch_plugins.surrogate_search.evolution import Evolution, evolved
 from railsearch_plugins.surrogate_search.front import Candidates, Front, best_of, front_of, recent_gain, select_by_gain
 from railsearch_plugins.surrogate_search.models import ResponseModels, surrogate_maker
+from railsearch_plugins.surrogate_search.parameters import MultiscaleParameters
 from railsearch_plugins.surrogate_search.search import SurrogateSearch, default_initial_size
 
 
 @dataclass(frozen=True)
-class HypervolumeImprovementParameters:
+class HypervolumeImprovementParameters(MultiscaleParameters):
     """What can be set of the search."""
 
-    initial_size: int | None = parameter(
-        None,
-        meaning="designs before the search proper, the given ones included; if not given, max(20, 2(d + 1))",
-        source="level-crossing study, Shang et al. 2023",
-        minimum=1,
-    )
     surrogate: str = parameter(
         "rbf", meaning="name of the registered surrogate of every objective", source="Akhtar & Shoemaker 2016"
-    )
-    surrogate_settings: dict[str, object] | None = parameter(  # noqa: RUF009 - a field, not a value
-        None, meaning="parameters of the surrogate that differ from its defaults, for instance {kernel = 'thin-plate'}"
     )
     gain: str = parameter(
         "predicted",
@@ -70,24 +62,11 @@ class HypervolumeImprovementParameters:
     candidates_per_dimension: int = parameter(
         100, meaning="perturbations per variable", source="Regis & Shoemaker 2013", minimum=1
     )
-    maximum_candidates: int = parameter(
-        2000, meaning="upper limit of the number of perturbations", source="own choice", minimum=1
-    )
     perturbed_coordinates: float = parameter(
         20.0,
         meaning="coordinates perturbed on average at first: p0 = min(perturbed_coordinates / d, 1)",
         source="Regis & Shoemaker 2013",
         above=0.0,
-    )
-    sigma: float = parameter(
-        0.2,
-        meaning="largest standard deviation of a perturbation, as a fraction of the range of a variable",
-        source="Regis & Shoemaker 2013",
-        above=0.0,
-        maximum=1.0,
-    )
-    sigma_halvings: int = parameter(
-        5, meaning="how often it may be halved, at random for each parent", source="own choice", minimum=0, maximum=50
     )
     evolution_interval: int = parameter(
         5, meaning="evaluations after which NSGA-II goes on from its last population", source="own choice", minimum=1
