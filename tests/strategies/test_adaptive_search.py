@@ -153,8 +153,8 @@ def watched(base, settings=None, batch_size=1, budget=45):
     choices = []
 
     class Watched(base):
-        def _chosen(self, surrogate, points, evaluated):
-            chosen = super()._chosen(surrogate, points, evaluated)
+        def _most_promising(self, surrogate, points, evaluated):
+            chosen = super()._most_promising(surrogate, points, evaluated)
             choices.append((copy.deepcopy(surrogate), points, evaluated, self._model.values, chosen))
             return chosen
 
@@ -185,6 +185,30 @@ def test_a_weight_in_the_cycle_means_the_merit_and_the_turns_go_round():
     assert len(choices) > 10
 
 
+def test_late_in_the_budget_every_other_design_has_the_least_merit_by_the_interpolant():
+    turns = []
+
+    class Watched(AdaptiveKrigingSearch):
+        def _best_of(self, candidates, surrogate, choose):
+            proposals = super()._best_of(candidates, surrogate, choose)
+            if choose == self._least_merit:
+                trajectory, space = self._trajectory, self._context.space
+                interpolant = self._context.surrogate("rbf", {})
+                interpolant.fit(trajectory.points, trajectory.values)
+                points, evaluated = space.to_unit(candidates), space.to_unit(np.array(list(self._evaluated.values())))
+                scores = merit(interpolant.predict(points), cdist(points, evaluated).min(axis=1), 0.95)
+                assert space.to_unit(proposals[0].design) == pytest.approx(points[np.argmin(scores)])
+            turns.append((len(self._evaluated), choose == self._least_merit))
+            return proposals
+
+    settings = {"interpolant_from": 0.6, "weights": [0.95], "minimum_distance": 1e-5}
+    run_trial(Watched, Trial(SPACE, budget=50), settings, objective=valley)
+    early, late = ([by_merit for spent, by_merit in turns if (spent >= 30) == is_late] for is_late in (False, True))
+    assert not any(early)
+    assert late == [k % 2 == 1 for k in range(len(late))]
+    assert len(early) > 5 < len(late)
+
+
 @pytest.mark.parametrize("batch_size", [2, 5])
 def test_designs_of_a_batch_are_apart_and_the_second_is_chosen_as_if_the_first_were_known(batch_size):
     settings = {"surrogate": "rbf", "transforms": ["identity"], "cycle": ["improvement"]}
@@ -206,13 +230,13 @@ def late_steps(mixed):
     steps = []
 
     class Watched(AdaptiveKrigingSearch):
-        def _candidates(self):
-            candidates, trajectory = super()._candidates(), self._trajectory
+        def _best_of(self, candidates, surrogate, choose):
+            trajectory = self._trajectory
             steps.append((candidates - trajectory.incumbent) / trajectory.step.sigma)
-            return candidates
+            return super()._best_of(candidates, surrogate, choose)
 
     space = Space(tuple(Variable(f"x{k}", 0.0, 1.0) for k in range(12)))
-    settings = {"surrogate": "rbf", "mixed_perturbations": mixed, "sigma_start": 0.02}
+    settings = {"surrogate": "rbf", "mixed_perturbations": mixed, "sigma_start": 0.02, "interpolant_from": 1.0}
     run_trial(Watched, Trial(space, budget=60), settings, objective=lambda x: np.array([np.sum((x - 0.5) ** 2)]))
     return np.vstack(steps[-5:])
 
@@ -272,7 +296,7 @@ def test_kriging_is_regularised_unless_it_is_told_otherwise(settings, prior):
         seen.append((name, given["length_scale_prior"]))
         return Kriging(dimension, make_parameters(KrigingParameters, given, "surrogate kriging"))
 
-    run_trial(AdaptiveKrigingSearch, Trial(SPACE, budget=24), settings, surrogate=make)
+    run_trial(AdaptiveKrigingSearch, Trial(SPACE, budget=24), {**settings, "interpolant_from": 1.0}, surrogate=make)
     assert set(seen) == {("kriging", prior)}
 
 

@@ -1,6 +1,7 @@
 """Search by expected improvement, and by merit in turn, over perturbations of the incumbent of several kinds."""
 
 import itertools
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import cast
 
@@ -8,7 +9,7 @@ import numpy as np
 from scipy.spatial.distance import cdist
 
 from railsearch.errors import InputError
-from railsearch.interfaces import SearchContext, Surrogate, UncertainSurrogate, parameter, require_methods
+from railsearch.interfaces import Proposal, SearchContext, Surrogate, UncertainSurrogate, parameter, require_methods
 from railsearch.space import FloatArray
 
 from .adaptive_model import Adaptation, AdaptiveModel
@@ -20,6 +21,9 @@ from .parameters import DynamicCoordinateParameters
 from .search import MetricSearch
 from .trajectory import Trajectory
 from .transforms import TRANSFORMS
+
+INTERPOLANT = "rbf"
+"""The registered surrogate of DYCORS."""
 
 IMPROVEMENT, MERIT = "improvement", "merit"
 
@@ -51,6 +55,13 @@ class AdaptiveSearchParameters(DynamicCoordinateParameters):
     adapt_every: int = parameter(
         10, meaning="evaluations after which transform and length scales are chosen again", source="own choice", minimum=1
     )
+    interpolant_from: float = parameter(
+        1.0,
+        meaning="part of the budget after which every other proposal is dycors': of least merit by the interpolant rbf",
+        source="own choice: an interpolant follows a funnel that a smooth process takes for noise",
+        minimum=0.0,
+        maximum=1.0,
+    )
     mixed_perturbations: bool = parameter(
         True,
         meaning="perturb by several step sizes and numbers of coordinates at once; otherwise as dycors",
@@ -69,6 +80,8 @@ class AdaptiveSearchParameters(DynamicCoordinateParameters):
 class AdaptiveSearch(MetricSearch):
     """DYCORS' trajectory, with candidates of several kinds, chosen by expected improvement or by merit in turn.
 
+    In the last part of the budget it takes turns with DYCORS itself, on the same trajectory.
+
     A batch is made by the Kriging believer (Ginsbourger, Le Riche and Carraro 2010): each design joins a copy of the
     surrogate with its predicted value before the next is chosen.
     """
@@ -78,19 +91,28 @@ class AdaptiveSearch(MetricSearch):
     def __init__(self, context: SearchContext, parameters: AdaptiveSearchParameters) -> None:
         super().__init__(context, parameters)
         self._cycle = itertools.cycle(parameters.cycle)
+        self._turn_of_interpolant = itertools.cycle((False, True))
         self._p_initial = min(parameters.perturbed_coordinates / context.space.dimension, 1.0)
 
     def _probability(self, trajectory: Trajectory) -> float:
         n_initial = trajectory.initial_size or 0
         return perturbation_probability(trajectory.evaluations, n_initial, trajectory.budget, self._p_initial)
 
-    def _candidates(self) -> FloatArray:
+    def _search(self, surrogate: Surrogate) -> list[Proposal]:
+        parameters, trajectory = self._parameters, self._trajectory
+        late = len(self._evaluated) >= parameters.interpolant_from * self._context.budget
+        if late and next(self._turn_of_interpolant):
+            interpolant = AdaptiveModel(self._new_interpolant).refresh(trajectory.points, trajectory.values)
+            if interpolant is not None:
+                return self._best_of(self._perturbations(), interpolant, self._least_merit)
+        candidates = self._mixed_perturbations() if parameters.mixed_perturbations else self._perturbations()
+        return self._best_of(candidates, surrogate, self._most_promising)
+
+    def _mixed_perturbations(self) -> FloatArray:
         """Perturbations (t, d) of the incumbent of several step sizes, half of them of p(n) d coordinates on average.
 
         The rest are of two coordinates on average, and of any number.
         """
-        if not self._parameters.mixed_perturbations:
-            return super()._candidates()
         space, parameters, trajectory = self._context.space, self._parameters, self._trajectory
         dimension, generator = space.dimension, self._context.generator
         count = min(parameters.candidates_per_dimension * dimension, parameters.maximum_candidates)
@@ -101,7 +123,7 @@ class AdaptiveSearch(MetricSearch):
         sigma = trajectory.step.sigma * generator.choice(STEP_SIZES, count)
         return perturbed(space, trajectory.incumbent, sigma, probability, count, generator)
 
-    def _chosen(self, surrogate: Surrogate, points: FloatArray, evaluated: FloatArray) -> list[int]:
+    def _most_promising(self, surrogate: Surrogate, points: FloatArray, evaluated: FloatArray) -> list[int]:
         believer, best = cast(UncertainSurrogate, surrogate), float(np.min(self._model.values))
         spread = float(np.ptp(self._model.values)) or 1.0
         distances = cdist(points, evaluated).min(axis=1)
@@ -133,6 +155,9 @@ class AdaptiveSearch(MetricSearch):
         parameters = self._parameters
         adaptation = Adaptation(parameters.transforms, parameters.adapt_length_scales, parameters.adapt_every)
         return AdaptiveModel(self._new_surrogate, adaptation, self._context.generator)
+
+    def _new_interpolant(self, settings: Mapping[str, object]) -> Surrogate:
+        return self._context.surrogate(INTERPOLANT, settings)
 
     def _check_surrogate(self) -> None:
         super()._check_surrogate()

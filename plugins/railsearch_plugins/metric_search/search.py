@@ -2,7 +2,7 @@
 
 import itertools
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from .merit import select
 from .parameters import MetricSearchParameters
 from .trajectory import Trajectory
 from .tree_search import tree_search
+
+Choose = Callable[[Surrogate, FloatArray, FloatArray], list[int]]
+"""Which of the points (t, d) of the unit cube to evaluate next by a surrogate, none near evaluated ones (n, d)."""
 
 
 class MetricSearch:
@@ -75,23 +78,26 @@ class MetricSearch:
         return proposals or self._restart()
 
     def _search(self, surrogate: Surrogate) -> list[Proposal]:
-        """The candidates of lowest merit; none if all of them lie too near to evaluated points."""
+        """The designs to evaluate next; none if all candidates lie too near to evaluated points."""
+        return self._best_of(self._perturbations(), surrogate, self._least_merit)
+
+    def _best_of(self, candidates: FloatArray, surrogate: Surrogate, choose: Choose) -> list[Proposal]:
+        """What `choose` takes among candidates (t, d) and, with integers, the leaves of a tree search."""
         space, parameters = self._context.space, self._parameters
-        candidates = self._candidates()
         n_perturbed = len(candidates)
         if parameters.tree_search and space.integer.any():
             candidates = np.vstack([candidates, self._leaves(surrogate, candidates)])
         evaluated = space.to_unit(np.array(list(self._evaluated.values())))
-        chosen = self._chosen(surrogate, space.to_unit(candidates), evaluated)
+        chosen = choose(surrogate, space.to_unit(candidates), evaluated)
         origins = ["perturbation" if k < n_perturbed else "tree-search" for k in chosen]
         return [Proposal(candidates[k], origin, self._trajectory.number) for k, origin in zip(chosen, origins, strict=True)]
 
-    def _chosen(self, surrogate: Surrogate, points: FloatArray, evaluated: FloatArray) -> list[int]:
-        """Indices of the candidates, points (t, d) of the unit cube, to evaluate next, none near evaluated ones (n, d)."""
+    def _least_merit(self, surrogate: Surrogate, points: FloatArray, evaluated: FloatArray) -> list[int]:
+        """Indices of the points (t, d) of the unit cube of lowest merit, none near evaluated ones (n, d)."""
         weights, batch_size, distance = self._weights, self._context.batch_size, self._parameters.minimum_distance
         return select(points, surrogate.predict(points), evaluated, weights, batch_size, distance)
 
-    def _candidates(self) -> FloatArray:
+    def _perturbations(self) -> FloatArray:
         """Perturbations (t, d) of the incumbent."""
         space, parameters, trajectory = self._context.space, self._parameters, self._trajectory
         count = min(parameters.candidates_per_dimension * space.dimension, parameters.maximum_candidates)

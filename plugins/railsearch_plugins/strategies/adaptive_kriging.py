@@ -20,6 +20,13 @@ class AdaptiveKrigingParameters(AdaptiveSearchParameters):
         None,
         meaning="parameters of the surrogate; kriging has length_scale_prior 0.5, starts 2, reoptimise_every 5 if not set",
     )
+    interpolant_from: float = parameter(
+        0.5,
+        meaning="part of the budget after which every other proposal is dycors': of least merit by the interpolant rbf",
+        source="own choice: an interpolant follows a funnel that a smooth process takes for noise",
+        minimum=0.0,
+        maximum=1.0,
+    )
     tree_search: bool = parameter(
         False, meaning="in problems with integers, enrich the candidates by branch and bound over the surrogate"
     )
