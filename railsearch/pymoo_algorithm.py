@@ -46,6 +46,7 @@ class StrategyAlgorithm(Algorithm):  # type: ignore[misc]
         self._proposals: list[Proposal] = []
         self._spent = 0
         self._metrics: list[str] = []
+        self._type: Any = float
 
     def _setup(self, problem: Problem, **kwargs: object) -> None:
         described = problem if isinstance(problem, DesignProblem) else _described(problem)
@@ -53,6 +54,7 @@ class StrategyAlgorithm(Algorithm):  # type: ignore[misc]
         self._strategy = make_strategy(self._registry, described, settings, len(self._given))
         self._given = [described.space.checked(design) for design in self._given]
         self._metrics = [metric.name for metric in described.metrics]
+        self._type = problem.vtype or float
 
     def _initialize_infill(self) -> Population:
         if self._given:
@@ -75,7 +77,7 @@ class StrategyAlgorithm(Algorithm):  # type: ignore[misc]
 
     def _population(self, proposals: Sequence[Proposal]) -> Population:
         self._proposals = list(proposals[: self._budget - self._spent])
-        return Population.new(X=np.array([proposal.design for proposal in self._proposals]))
+        return Population.new(X=np.array([proposal.design for proposal in self._proposals]).astype(self._type))
 
     def _tell(self, infills: Population | None) -> None:
         evaluations = []
@@ -101,13 +103,19 @@ def _evaluation(number: int, proposal: Proposal, individual: Any, metrics: Seque
 
 
 def _described(problem: Problem) -> DesignProblem:
-    """A plain pymoo problem with its variables x1 … xd, all real, and objectives f1 … fm named."""
+    """A plain pymoo problem with its variables x1 … xd, all of its type, and objectives f1 … fm named."""
+    if getattr(problem, "vars", None) is not None:
+        raise CapabilityError(
+            "variables given one by one (vars=…) cannot be handled; state the problem by arrays xl and xu, with vtype=int "
+            "where all are integers, or as a railsearch DesignProblem, whose variables may be real or integer"
+        )
     if problem.n_eq_constr:
         raise CapabilityError(f"equality constraints cannot be handled, this problem has {problem.n_eq_constr}")
     if problem.xl is None or problem.xu is None:
         raise CapabilityError("bounds xl and xu are needed, this problem has none")
+    integer = np.dtype(problem.vtype or float).kind in "iub"
     variables = [
-        Variable(f"x{number + 1}", float(lower), float(upper))
+        Variable(f"x{number + 1}", float(lower), float(upper), integer=integer)
         for number, (lower, upper) in enumerate(zip(problem.xl, problem.xu, strict=True))
     ]
     objectives = [Quantity(f"f{number + 1}") for number in range(problem.n_obj)]

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 from pymoo.core.problem import Problem
+from pymoo.core.variable import Integer, Real
 from pymoo.optimize import minimize
 from pymoo.problems import get_problem
 
@@ -9,7 +10,7 @@ from railsearch.errors import CapabilityError, InputError, PluginError
 from railsearch.interfaces import Outcome
 from railsearch.plugin_manager import load_plugins
 from railsearch.run import RunSettings, run_search
-from registered_strategies import every_strategy, small_budget
+from registered_strategies import SMALL_SETTINGS, every_strategy, small_budget
 from sample_problems import Sphere, Troubled, TwoObjectives
 
 
@@ -20,11 +21,12 @@ def evaluated(result):
 
 @every_strategy
 def test_under_pymoo_a_strategy_proposes_what_it_proposes_in_a_run(entry):
-    strategy, budget = entry.name, small_budget(entry.name)
+    strategy, budget, settings = entry.name, small_budget(entry.name), SMALL_SETTINGS.get(entry.name, {})
     for problem in (Sphere(), TwoObjectives()) if entry.plugin.capabilities.multi_objective else (Sphere(),):
         given = [np.array([1.5, 1.0, 0.0, 0.0])]
-        run = run_search(load_plugins(), problem, RunSettings(strategy, budget, 3), given)
-        result = minimize(problem, railsearch.algorithm(strategy, budget, given=given), seed=3, save_history=True)
+        run = run_search(load_plugins(), problem, RunSettings(strategy, budget, 3, settings), given)
+        algorithm = railsearch.algorithm(strategy, budget, settings, given)
+        result = minimize(problem, algorithm, seed=3, save_history=True)
         assert np.array_equal(evaluated(result), np.array([evaluation.design for evaluation in run.evaluations]))
         best = np.min([evaluation.objectives for evaluation in run.evaluations], axis=0)
         assert np.array_equal(np.min(np.atleast_2d(result.F), axis=0), best)
@@ -40,6 +42,20 @@ def test_the_budget_is_exact_on_any_pymoo_problem(strategy):
 def test_dycors_under_pymoo_solves_a_sphere():
     result = minimize(get_problem("sphere", n_var=5), railsearch.algorithm("dycors", 60), seed=1)
     assert result.F[0] < 1e-3
+
+
+def test_a_pymoo_problem_of_integers_is_searched_in_whole_numbers():
+    class Steps(Problem):
+        def __init__(self):
+            super().__init__(n_var=3, n_obj=1, xl=-4, xu=5, vtype=int)
+
+        def _evaluate(self, x, out, *args, **kwargs):
+            assert x.dtype.kind == "i"
+            out["F"] = ((x - np.array([1, -2, 3])) ** 2).sum(axis=1)
+
+    result = minimize(Steps(), railsearch.algorithm("dycors", 40), seed=1)
+    assert result.F[0] == 0.0
+    assert result.X.tolist() == [1, -2, 3]
 
 
 def test_constraints_are_kept_under_pymoo():
@@ -67,5 +83,7 @@ def test_what_cannot_be_done_is_refused():
         minimize(TwoObjectives(), railsearch.algorithm("dycors", 30), seed=1)
     with pytest.raises(CapabilityError, match="equality constraints"):
         minimize(Problem(2, 1, n_eq_constr=1, xl=0.0, xu=1.0), railsearch.algorithm("ga", 30), seed=1)
+    with pytest.raises(CapabilityError, match="one by one"):
+        minimize(Problem(vars={"x": Real(bounds=(0.0, 1.0)), "n": Integer(bounds=(1, 5))}), railsearch.algorithm("ga", 30))
     with pytest.raises(CapabilityError, match="bounds"):
         minimize(Problem(2, 1), railsearch.algorithm("ga", 30), seed=1)
