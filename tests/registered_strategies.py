@@ -4,10 +4,14 @@ import pytest
 
 from railsearch.plugin_manager import load_plugins
 
-SLOW = {"ego": 25, "hypervolume-improvement": 25, "optuna-gp": 14}
+SLOW = {"ego": 25, "hypervolume-improvement": 25, "optuna-tpe": 20, "optuna-gp": 14}
 """Budgets for strategies that are slow by their nature: their start and a few proposals of their model."""
 
-SMALL_SETTINGS = {"fixed-surrogate": {"population_size": 20, "generations": 10, "further_generations": 5}}
+SMALL_SETTINGS = {
+    "ego": {"polished": 1, "tree_search_nodes": 4},
+    "fixed-surrogate": {"population_size": 20, "generations": 10, "further_generations": 5},
+    "hypervolume-improvement": {"evolution_size": 20, "evolution_generations": 8},
+}
 """Settings with which strategies do the same with less effort."""
 
 NEEDS_TORCH = ("optuna-gp",)

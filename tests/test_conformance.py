@@ -33,7 +33,8 @@ def test_strategy(entry):
 def test_a_run_begins_with_the_given_designs_and_ends_with_the_budget(entry):
     budget = small_budget(entry.name)
     given = [np.zeros(4), np.array([1.5, -2.0, 3.0, 0.0])]
-    result = run_search(load_plugins(), Sphere(), RunSettings(entry.name, budget, 5), given)
+    settings = RunSettings(entry.name, budget, 5, SMALL_SETTINGS.get(entry.name, {}))
+    result = run_search(load_plugins(), Sphere(), settings, given)
     assert [e.number for e in result.evaluations] == list(range(budget))
     assert [e.origin == "given" for e in result.evaluations] == [True] * 2 + [False] * (budget - 2)
     assert len({e.design.tobytes() for e in result.evaluations}) == budget
@@ -41,7 +42,7 @@ def test_a_run_begins_with_the_given_designs_and_ends_with_the_budget(entry):
 
 @every_strategy
 def test_a_continued_run_is_the_run_that_was_not_interrupted(entry):
-    settings = RunSettings(entry.name, small_budget(entry.name), 6)
+    settings = RunSettings(entry.name, small_budget(entry.name), 6, SMALL_SETTINGS.get(entry.name, {}))
     whole = run_search(load_plugins(), Sphere(), settings, [np.zeros(4)])
     record = MemoryRecord()
     record.evaluations = list(whole.evaluations[: settings.budget // 2])

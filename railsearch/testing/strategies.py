@@ -11,7 +11,18 @@ import numpy as np
 from railsearch.interfaces import Capabilities, Evaluation
 from railsearch.sampling import random_designs
 from railsearch.testing.requirement import require
-from railsearch.testing.trials import MIXED, ONE_INTEGER, ONE_REAL, REAL, TINY, MakeSurrogate, Trial, bowls, played_trial
+from railsearch.testing.trials import (
+    MIXED,
+    ONE_INTEGER,
+    ONE_REAL,
+    REAL,
+    TINY,
+    MakeSurrogate,
+    Trial,
+    bowls,
+    played_trial,
+    registered_surrogates,
+)
 
 Play = Callable[[Trial], tuple[list[Evaluation], list[bytes]]]
 
@@ -36,7 +47,7 @@ def check_strategy(
     evaluations of a trial, less for a strategy that is slow by its nature, but enough that it gets past its start. Raises
     AssertionError with an explanation; every error has a note that says in which trial.
     """
-    play = partial(played_trial, plugin, settings=settings or {}, surrogate=surrogate)
+    play = partial(played_trial, plugin, settings=settings or {}, surrogate=surrogate or registered_surrogates())
     capabilities: Capabilities = plugin.capabilities
     main, *others = _bases(capabilities, budget)
     for base in (main, *others):

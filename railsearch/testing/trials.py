@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, is_dataclass, replace
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -82,7 +82,7 @@ def played_trial(
 ) -> tuple[list[Evaluation], list[bytes]]:
     """The evaluations of `run_trial`, and the designs that the strategy proposed, as bytes."""
     try:
-        strategy = _strategy(plugin, settings or {}, surrogate or _registered_surrogate, trial)
+        strategy = _strategy(plugin, settings or {}, surrogate or registered_surrogates(), trial)
         with threadpool_limits(1):
             return _play(strategy, _Answers(trial, objective or partial(bowls, trial)), trial)
     except Exception as error:
@@ -182,8 +182,10 @@ def _strategy(plugin: Any, settings: Mapping[str, object], surrogate: MakeSurrog
     return strategy
 
 
-def _registered_surrogate(name: str, dimension: int, settings: Mapping[str, object]) -> Surrogate:
-    return load_plugins().surrogate(name, dimension, settings)
+def registered_surrogates() -> MakeSurrogate:
+    """Makes registered surrogates; the plugins are loaded once, when the first is made."""
+    loaded = cache(load_plugins)
+    return lambda name, dimension, settings: loaded().surrogate(name, dimension, settings)
 
 
 def _check_proposals(proposals: Sequence[Proposal], trial: Trial) -> None:
@@ -193,16 +195,24 @@ def _check_proposals(proposals: Sequence[Proposal], trial: Trial) -> None:
         len(proposals) <= trial.batch_size, f"{len(proposals)} designs were proposed, a batch is {trial.batch_size} at most"
     )
     for proposal in proposals:
-        design = proposal.design
-        vector = isinstance(design, np.ndarray) and design.dtype == np.float64 and design.shape == (space.dimension,)
-        require(vector, f"a design must be a float vector of shape ({space.dimension},), received {design!r}")
-        inside = bool(np.all((design >= space.lower) & (design <= space.upper)))
-        require(inside, f"the design {design} lies outside the bounds {space.lower} to {space.upper}")
-        whole = bool(np.all(design[space.integer] == np.round(design[space.integer])))
-        require(whole, f"the design {design} has fractions in the integers {space.integer}")
-        require(isinstance(proposal.origin, str) and bool(proposal.origin), "a proposal needs its origin in a word")
-        natural = isinstance(proposal.trajectory, int) and proposal.trajectory >= 0
-        require(natural, f"trajectory must be an integer ≥ 0, received {proposal.trajectory!r}")
+        fault = _fault(proposal, space)
+        require(not fault, fault)
+
+
+def _fault(proposal: Proposal, space: Space) -> str:
+    """What is not allowed in a proposal, empty if nothing; in words only then, for writing a design takes the longest."""
+    design = proposal.design
+    if not (isinstance(design, np.ndarray) and design.dtype == np.float64 and design.shape == (space.dimension,)):
+        return f"a design must be a float vector of shape ({space.dimension},), received {design!r}"
+    if not np.all((design >= space.lower) & (design <= space.upper)):
+        return f"the design {design} lies outside the bounds {space.lower} to {space.upper}"
+    if not np.all(design[space.integer] == np.round(design[space.integer])):
+        return f"the design {design} has fractions in the integers {space.integer}"
+    if not (isinstance(proposal.origin, str) and proposal.origin):
+        return "a proposal needs its origin in a word"
+    if not (isinstance(proposal.trajectory, int) and proposal.trajectory >= 0):
+        return f"trajectory must be an integer ≥ 0, received {proposal.trajectory!r}"
+    return ""
 
 
 def _tell(strategy: Strategy, told: Sequence[Evaluation], repeats: bool) -> None:
