@@ -14,10 +14,19 @@ import pytest
 
 COMMAND = (sys.executable, "-c", "from railsearch.cli import main; main()")
 WORDS = ("run", "level-crossing", "--scalarise", "asf", "--budget", "34", "--seed", "6")
+# A run that begins and ends sooner, and whose evaluations last as long.
+SITE = "[function]\ndimension = 4\nintegers = 2\nseconds = 0.1\ncomputing = false\n"
+QUICK_WORDS = ("run", "ackley", "--budget", "24", "--seed", "6", "--parameters")
 
 
-def started(out: Path) -> subprocess.Popen[bytes]:
-    return subprocess.Popen([*COMMAND, *WORDS, "--out", str(out)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+def quick(folder: Path) -> tuple[str, ...]:
+    """The words of a quick run; its site is written into a folder."""
+    (folder / "site.toml").write_text(SITE, encoding="utf-8")
+    return (*QUICK_WORDS, str(folder / "site.toml"))
+
+
+def started(out: Path, words: tuple[str, ...] = WORDS, pipe: int = subprocess.DEVNULL) -> subprocess.Popen[str]:
+    return subprocess.Popen([*COMMAND, *words, "--out", str(out)], stdout=pipe, stderr=pipe, text=True)
 
 
 def stored(out: Path) -> int:
@@ -62,14 +71,16 @@ def test_killed_at_random_moments_it_ends_as_if_undisturbed(tmp_path: Path) -> N
 
 
 def test_a_second_process_is_kept_out(tmp_path: Path) -> None:
-    process = started(tmp_path)
+    words, out = quick(tmp_path), tmp_path / "run"
+    process = started(out, words)
     try:
-        while stored(tmp_path) < 2:
+        while stored(out) < 2:
             assert process.poll() is None
             time.sleep(0.02)
-        second = subprocess.run([*COMMAND, *WORDS, "--out", str(tmp_path)], capture_output=True, text=True, check=False)
+        second = started(out, words, subprocess.PIPE)
+        _, err = second.communicate()
         assert second.returncode == 2
-        assert "in use by another process" in second.stderr
+        assert "in use by another process" in err
     finally:
         process.kill()
         process.wait()
@@ -77,21 +88,21 @@ def test_a_second_process_is_kept_out(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("moment", ["before the study is described", "after it"])
 def test_a_kill_around_the_making_of_the_study_leaves_a_folder_that_goes_on(tmp_path: Path, moment: str) -> None:
-    process = started(tmp_path)
-    while not (tmp_path / ("study.db" if moment.startswith("before") else "run.json")).exists():
+    words, out = quick(tmp_path), tmp_path / "run"
+    process = started(out, words)
+    while not (out / ("study.db" if moment.startswith("before") else "run.json")).exists():
         assert process.poll() is None
         time.sleep(0.001)
     process.kill()
     process.wait()
-    assert started(tmp_path).wait() == 0
-    assert stored(tmp_path) == 34
+    assert started(out, words).wait() == 0
+    assert stored(out) == 24
 
 
 def test_an_interrupted_run_says_how_to_go_on(tmp_path: Path) -> None:
-    process = subprocess.Popen(
-        [*COMMAND, *WORDS, "--out", str(tmp_path)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-    while stored(tmp_path) < 4:
+    words, folder = quick(tmp_path), tmp_path / "run"
+    process = started(folder, words, subprocess.PIPE)
+    while stored(folder) < 4:
         assert process.poll() is None
         time.sleep(0.01)
     process.send_signal(signal.SIGINT)
@@ -100,5 +111,5 @@ def test_an_interrupted_run_says_how_to_go_on(tmp_path: Path) -> None:
     assert out == ""
     assert "the same command goes on" in err
     assert "Traceback" not in err
-    assert started(tmp_path).wait() == 0
-    assert stored(tmp_path) == 34
+    assert started(folder, words).wait() == 0
+    assert stored(folder) == 24
