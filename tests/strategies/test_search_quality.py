@@ -33,7 +33,7 @@ def median_best(plugin, objective, budget, settings=None, seeds=5):
 @pytest.mark.parametrize("objective", [ackley, sphere])
 def test_surrogate_search_leaves_a_fifth_of_what_random_search_leaves(plugin, objective):
     settings = {"tree_search": objective is sphere}
-    assert median_best(plugin, objective, 200, settings, 3) < 0.2 * median_best(RandomSearch, objective, 200)
+    assert median_best(plugin, objective, 150, settings, 3) < 0.2 * median_best(RandomSearch, objective, 150)
 
 
 def test_sphere_is_solved_but_for_the_integers_that_cannot_be():
@@ -51,4 +51,4 @@ def test_tree_search_helps_early_where_the_surrogate_can_be_trusted():
 def test_a_genetic_algorithm_beats_random_search_and_loses_to_surrogate_search():
     genetic = median_best(GeneticAlgorithm, ackley, 200)
     assert genetic < 0.8 * median_best(RandomSearch, ackley, 200)
-    assert median_best(DynamicCoordinateSearch, ackley, 200, {"tree_search": False}) < genetic
+    assert median_best(DynamicCoordinateSearch, ackley, 120, {"tree_search": False}, 3) < genetic
