@@ -1,13 +1,15 @@
-"""The wheel and an external plugin, installed into a fresh environment and run from there."""
+"""The wheel and an external plugin, in a fresh environment that has what they declare to need and nothing else."""
 
 import json
 import shutil
 import subprocess
 import sys
 import venv
+from importlib.metadata import Distribution, distribution, distributions
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
 
 ROOT = Path(__file__).parents[1]
 NOT_SOURCES = (".*", "build", "dist", "*.egg-info", "demo-run", "tests", "__pycache__")
@@ -20,14 +22,43 @@ def fresh(tmp_path_factory: pytest.TempPathFactory) -> Path:
     wheels, environment = folder / "wheels", folder / "environment"
     for source in (ROOT, ROOT / "examples" / "external_strategy"):
         copy = shutil.copytree(source, folder / source.name, ignore=shutil.ignore_patterns(*NOT_SOURCES))
-        pip(Path(sys.executable).parent, "wheel", "--no-deps", "--wheel-dir", str(wheels), str(copy))
-    venv.create(environment, with_pip=True)
-    pip(environment / "bin", "install", "--constraint", str(ROOT / "constraints.txt"), *map(str, wheels.glob("*.whl")))
+        pip("wheel", "--no-deps", "--wheel-dir", str(wheels), str(copy))
+    venv.create(environment, with_pip=False)
+    inside = ("--python", str(environment / "bin" / "python"))
+    pip(*inside, "install", "--no-deps", "--no-index", *map(str, wheels.glob("*.whl")))
+    (packages,) = environment.glob("lib/python*/site-packages")
+    link_requirements(packages)
+    pip(*inside, "check")
     return environment / "bin"
 
 
-def pip(binaries: Path, *words: str) -> None:
-    subprocess.run([str(binaries / "python"), "-m", "pip", "--quiet", *words], check=True)
+def pip(*words: str) -> None:
+    subprocess.run([sys.executable, "-m", "pip", "--quiet", *words], check=True)
+
+
+def link_requirements(packages: Path) -> None:
+    """Link what the distributions in a folder need, directly or indirectly, from this environment into it."""
+    installed = list(distributions(path=[str(packages)]))
+    names = {found.name for found in installed}
+    open_ends: list[tuple[Distribution, tuple[str, ...]]] = [(found, ("",)) for found in installed]
+    while open_ends:
+        for requirement in required(*open_ends.pop()):
+            if requirement.name not in names:
+                names.add(requirement.name)
+                needed = distribution(requirement.name)
+                open_ends.append((needed, ("", *requirement.extras)))
+                link(needed, packages)
+
+
+def required(found: Distribution, extras: tuple[str, ...]) -> list[Requirement]:
+    requirements = [Requirement(text) for text in found.requires or ()]
+    return [r for r in requirements if r.marker is None or any(r.marker.evaluate({"extra": extra}) for extra in extras)]
+
+
+def link(found: Distribution, packages: Path) -> None:
+    for name in {file.parts[0] for file in found.files or ()} - {"..", "__pycache__"}:
+        if not (packages / name).exists():
+            (packages / name).symlink_to(Path(str(found.locate_file(name))))
 
 
 def command(binaries: Path, folder: Path, *words: str) -> str:

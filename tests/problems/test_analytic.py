@@ -33,19 +33,30 @@ EVERY = (*FUNCTIONS, *SEVERAL)
 ROUNDING = 1e-12
 
 
-def cases(*names: str) -> Any:
-    """Every function with two, many, and half integer variables, or as few as it can have, at three shifts."""
+def cases(*names: str) -> Callable[[Callable[[str, dict[str, Any]], None]], Callable[[], None]]:
+    """Fold a test over functions with two, many, and half integer variables, or as few as they can have, at three shifts."""
     fewest = {"rounding-trap": (4, 3), "spherical-front": (3, 1)}
-    return pytest.mark.parametrize(
-        ("name", "choices"),
-        [
-            (name, {"dimension": dimension, "integers": integers, "shift": shift})
-            for name in names
-            for (dimension, integers), shift in itertools.product(
-                [fewest.get(name, (2, 1)), (13, 2 if name == "rounding-trap" else 0), (10, 5)], [0.0, 0.3, 0.8]
-            )
-        ],
-    )
+    choices = [
+        (name, {"dimension": dimension, "integers": integers, "shift": shift})
+        for name in names
+        for (dimension, integers), shift in itertools.product(
+            [fewest.get(name, (2, 1)), (13, 2 if name == "rounding-trap" else 0), (10, 5)], [0.0, 0.3, 0.8]
+        )
+    ]
+
+    def folded(test: Callable[[str, dict[str, Any]], None]) -> Callable[[], None]:
+        def all_cases() -> None:
+            for name, chosen in choices:
+                try:
+                    test(name, chosen)
+                except Exception as error:
+                    error.add_note(f"in the case of {name} with {chosen}")
+                    raise
+
+        all_cases.__doc__ = test.__doc__
+        return all_cases
+
+    return folded
 
 
 def made(name: str, **choices: Any) -> AnalyticProblem:
