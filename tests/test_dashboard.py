@@ -65,11 +65,12 @@ def dashboard(folder: Path) -> Iterator[str]:
 
 def seen(url: str, folder: Path) -> str:
     """The page as Chromium renders it; a screenshot is left beside it."""
-    words = ["chromium", *QUIET, f"--user-data-dir={folder / 'profile'}"]
     picture = folder / "page.png"
-    subprocess.run([*words, f"--screenshot={picture}", url], check=True, capture_output=True, timeout=120)
+    picture.unlink(missing_ok=True)
+    words = ["chromium", *QUIET, f"--user-data-dir={folder / 'profile'}", f"--screenshot={picture}", "--dump-dom", url]
+    page = subprocess.run(words, check=True, capture_output=True, text=True, timeout=120).stdout
     assert picture.stat().st_size > 20_000, "the page is not blank"
-    return subprocess.run([*words, "--dump-dom", url], check=True, capture_output=True, text=True, timeout=120).stdout
+    return page
 
 
 @pytest.mark.xdist_group("dashboard")

@@ -13,19 +13,24 @@ from typing import Any
 import pytest
 
 COMMAND = (sys.executable, "-c", "from railsearch.cli import main; main()")
-WORDS = ("run", "level-crossing", "--scalarise", "asf", "--budget", "34", "--seed", "6")
-# A run that begins and ends sooner, and whose evaluations last as long.
-SITE = "[function]\ndimension = 4\nintegers = 2\nseconds = 0.1\ncomputing = false\n"
-QUICK_WORDS = ("run", "ackley", "--budget", "24", "--seed", "6", "--parameters")
+SHORT = "[track.geometry]\ntotal_length = 60.0\napproach_length = 30.0\n"
+SLOW = "[function]\ndimension = 4\nintegers = 2\nseconds = 0.1\ncomputing = false\n"
 
 
-def quick(folder: Path) -> tuple[str, ...]:
-    """The words of a quick run; its site is written into a folder."""
-    (folder / "site.toml").write_text(SITE, encoding="utf-8")
-    return (*QUICK_WORDS, str(folder / "site.toml"))
+def crossing(folder: Path) -> tuple[str, ...]:
+    """The words of a run on a short track; its site is written into a folder."""
+    (folder / "site.toml").write_text(SHORT, encoding="utf-8")
+    words = ("run", "level-crossing", "--scalarise", "asf", "--budget", "34", "--seed", "6")
+    return (*words, "--parameters", str(folder / "site.toml"))
 
 
-def started(out: Path, words: tuple[str, ...] = WORDS, pipe: int = subprocess.DEVNULL) -> subprocess.Popen[str]:
+def quick(folder: Path, budget: int = 24) -> tuple[str, ...]:
+    """The words of a run that begins and ends sooner, its evaluations waiting; its site is written into a folder."""
+    (folder / "site.toml").write_text(SLOW, encoding="utf-8")
+    return ("run", "ackley", "--budget", str(budget), "--seed", "6", "--parameters", str(folder / "site.toml"))
+
+
+def started(out: Path, words: tuple[str, ...], pipe: int = subprocess.DEVNULL) -> subprocess.Popen[str]:
     return subprocess.Popen([*COMMAND, *words, "--out", str(out)], stdout=pipe, stderr=pipe, text=True)
 
 
@@ -39,9 +44,9 @@ def stored(out: Path) -> int:
         return 0
 
 
-def kill_after(out: Path, evaluations: int, seconds: float) -> None:
+def kill_after(out: Path, words: tuple[str, ...], evaluations: int, seconds: float) -> None:
     """Start the run and kill it some time after that many evaluations have been stored."""
-    process = started(out)
+    process = started(out, words)
     while stored(out) < evaluations and process.poll() is None:
         time.sleep(0.005)
     time.sleep(seconds)
@@ -57,21 +62,22 @@ def sequence(out: Path) -> list[Any]:
 
 
 def test_killed_at_random_moments_it_ends_as_if_undisturbed(tmp_path: Path) -> None:
-    assert started(tmp_path / "calm").wait() == 0
+    words = crossing(tmp_path)
+    assert started(tmp_path / "calm", words).wait() == 0
     moments = random.Random(20)
     reached = []
     for evaluations in sorted(moments.sample(range(34), 5)):
-        kill_after(tmp_path / "killed", evaluations, moments.uniform(0.0, 0.15))
+        kill_after(tmp_path / "killed", words, evaluations, moments.uniform(0.0, 0.15))
         reached.append(stored(tmp_path / "killed"))
     assert reached == sorted(reached)
     assert 0 < reached[-1] < 34, "the kills must fall into the run"
-    assert started(tmp_path / "killed").wait() == 0
+    assert started(tmp_path / "killed", words).wait() == 0
     assert sequence(tmp_path / "killed") == sequence(tmp_path / "calm")
     assert stored(tmp_path / "killed") == 34
 
 
 def test_a_second_process_is_kept_out(tmp_path: Path) -> None:
-    words, out = quick(tmp_path), tmp_path / "run"
+    words, out = quick(tmp_path, budget=2000), tmp_path / "run"
     process = started(out, words)
     try:
         while stored(out) < 2:
@@ -100,7 +106,7 @@ def test_a_kill_around_the_making_of_the_study_leaves_a_folder_that_goes_on(tmp_
 
 
 def test_an_interrupted_run_says_how_to_go_on(tmp_path: Path) -> None:
-    words, folder = quick(tmp_path), tmp_path / "run"
+    words, folder = quick(tmp_path, budget=40), tmp_path / "run"
     process = started(folder, words, subprocess.PIPE)
     while stored(folder) < 4:
         assert process.poll() is None
@@ -112,4 +118,4 @@ def test_an_interrupted_run_says_how_to_go_on(tmp_path: Path) -> None:
     assert "the same command goes on" in err
     assert "Traceback" not in err
     assert started(folder, words).wait() == 0
-    assert stored(folder) == 24
+    assert stored(folder) == 40
