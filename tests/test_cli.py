@@ -245,7 +245,7 @@ def test_another_run_does_not_touch_the_folder(railsearch: Cli, tmp_path: Path) 
 
 def test_a_storage_url_takes_many_runs_and_refuses_a_changed_one(railsearch: Cli, tmp_path: Path) -> None:
     url = f"sqlite:///{tmp_path / 'all.db'}"
-    words = ("run", "level-crossing", "--objectives", "F_max", "--strategy", "random", "--storage", url)
+    words = ("run", "ackley", "--strategy", "random", "--storage", url)
     assert railsearch(*words, "--budget", 2, "--seed", 1, "--out", tmp_path / "one").code == 0
     assert railsearch(*words, "--budget", 2, "--seed", 2, "--out", tmp_path / "two").code == 0
     answer = railsearch(*words, "--budget", 3, "--seed", 1, "--out", tmp_path / "three")
@@ -290,7 +290,7 @@ def test_a_run_is_shown_from_anywhere_and_nothing_is_made_by_looking(
     (tmp_path / "here").mkdir()
     (tmp_path / "there").mkdir()
     monkeypatch.chdir(tmp_path / "here")
-    words = ("run", "level-crossing", "--objectives", "F_max", "--strategy", "random", "--budget", 2, "--seed", 1)
+    words = ("run", "ackley", "--strategy", "random", "--budget", 2, "--seed", 1)
     assert railsearch(*words, "--storage", "sqlite:///record.db", "--out", "one").code == 0
     monkeypatch.chdir(tmp_path / "there")
     assert "2 of 2 evaluations" in railsearch("show", "../here/one").out
@@ -303,7 +303,7 @@ def test_a_run_is_shown_from_anywhere_and_nothing_is_made_by_looking(
 
 
 def test_a_result_without_its_record_is_not_overwritten(railsearch: Cli, tmp_path: Path) -> None:
-    words = ("run", "level-crossing", "--objectives", "F_max", "--strategy", "random", "--budget", 2, "--seed", 1)
+    words = ("run", "ackley", "--strategy", "random", "--budget", 2, "--seed", 1)
     assert railsearch(*words, "--out", tmp_path).code == 0
     (tmp_path / "study.db").unlink()
     before = (tmp_path / "result.json").read_bytes()
@@ -353,7 +353,7 @@ main()
 
 
 def test_a_full_disk_loses_nothing(railsearch: Cli, tmp_path: Path) -> None:
-    words = ["run", "level-crossing", "--objectives", "F_max", "--strategy", "random", "--budget", "30", "--seed", "1"]
+    words = ["run", "ackley", "--strategy", "random", "--budget", "30", "--seed", "1"]
     full = [*words, "--out", str(tmp_path / "full")]
     code = LIMITED.format(limit=130_000, words=full)
     ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)

@@ -1,12 +1,13 @@
 """Several campaign processes on one PostgreSQL server, and a server that goes away."""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 from campaign_runs import Trial, command, wait_until
 
+from command_line import Answer
 from postgresql_server import Server, postgresql
 from railsearch.campaign.coordinator import Watcher
 from railsearch.errors import StorageError
@@ -149,26 +150,25 @@ def test_the_writer_of_a_study_that_another_process_took_over_stops(server: Serv
         other.close()
 
 
-def test_a_server_without_an_answer_is_refused_at_the_door(tmp_path: Path) -> None:
+def test_a_server_without_an_answer_is_refused_at_the_door(railsearch: Callable[..., Answer], tmp_path: Path) -> None:
     trial = Trial(tmp_path)
-    process = command("campaign", trial.file(), "--storage", "postgresql+psycopg://me:secret@127.0.0.1:1/x")
-    out, err = process.communicate(timeout=60)
-    assert process.returncode == 2
-    assert "postgresql+psycopg://me:***@127.0.0.1:1/x cannot be opened" in err
-    assert "secret" not in err + out
+    answer = railsearch("campaign", trial.file(), "--storage", "postgresql+psycopg://me:secret@127.0.0.1:1/x")
+    assert answer.code == 2
+    assert "postgresql+psycopg://me:***@127.0.0.1:1/x cannot be opened" in answer.err
+    assert "secret" not in answer.err + answer.out
     assert trial.calls == []
 
 
-def test_a_run_whose_study_is_in_work_elsewhere_is_refused(server: Server, tmp_path: Path) -> None:
+def test_a_run_whose_study_is_in_work_elsewhere_is_refused(
+    railsearch: Callable[..., Answer], server: Server, tmp_path: Path
+) -> None:
     with server.database("run") as url:
         words = ["run", "ackley", "--strategy", "random", "--budget", 5, "--seed", 1, "--storage", url]
         other = ServerClaims(url)
         assert other.take("ackley (f) / random / seed 1")
-        refused = command(*words, "--out", tmp_path / "refused")
-        _, err = refused.communicate(timeout=60)
-        assert refused.returncode == 2
-        assert "study 'ackley (f) / random / seed 1' is in work by another process" in err
+        refused = railsearch(*words, "--out", tmp_path / "refused")
+        assert refused.code == 2
+        assert "study 'ackley (f) / random / seed 1' is in work by another process" in refused.err
         other.close()
-        again = command(*words, "--out", tmp_path / "again")
-        _, err = again.communicate(timeout=60)
-        assert again.returncode == 0, err
+        again = railsearch(*words, "--out", tmp_path / "again")
+        assert again.code == 0, again.err
