@@ -147,8 +147,9 @@ def load_plugins() -> Registry:
     manager.add_hookspecs(hookspecs)
     warnings: list[str] = []
     origins: dict[str, Provenance] = {}
+    version = importlib.metadata.version("railsearch")
     for module in _built_in_modules():
-        _register(manager, module, module.__name__, _built_in_provenance(module), origins, warnings)
+        _register(manager, module, module.__name__, Provenance(module.__name__, "railsearch", version), origins, warnings)
     for point, distribution in _entry_points():
         origin = Provenance(point.value, distribution.metadata["Name"], distribution.version)
         try:
@@ -233,10 +234,6 @@ def _built_in_modules() -> Iterator[ModuleType]:
         package = importlib.import_module(name)
         for info in pkgutil.iter_modules(package.__path__):
             yield importlib.import_module(f"{name}.{info.name}")
-
-
-def _built_in_provenance(module: ModuleType) -> Provenance:
-    return Provenance(module.__name__, "railsearch", importlib.metadata.version("railsearch"))
 
 
 def _entry_points() -> Iterator[tuple[importlib.metadata.EntryPoint, importlib.metadata.Distribution]]:

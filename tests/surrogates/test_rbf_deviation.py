@@ -73,6 +73,13 @@ def test_as_many_points_as_tail_functions_tell_no_deviation():
         model.leave_one_out_residuals()
 
 
+def test_a_point_that_alone_leaves_a_plane_cannot_be_left_out():
+    points, values = sample(9, 3)
+    points[:-1, 2] = 0.25
+    with pytest.raises(SurrogateError, match="without one of the points"):
+        fitted(points, values, "cubic").leave_one_out_residuals()
+
+
 @pytest.mark.parametrize("kernel", KERNELS)
 def test_leave_one_out_residuals_are_those_of_refits(kernel):
     points, values = sample(25, 3)

@@ -155,7 +155,8 @@ class RadialBasisFunctionInterpolant:
     def leave_one_out_residuals(self) -> FloatArray:
         """Residuals (n,) in the order of the points: each value less the interpolant of the others, λ_k/(A⁻¹)_kk.
 
-        Raises SurrogateError with as many points as tail functions, where no point can be spared. Source: Rippa 1999.
+        Raises SurrogateError where a point cannot be spared: with as many points as tail functions, or where the others
+        determine no tail. Source: Rippa 1999.
         """
         self._check_fitted()
         m, size = self._tail_size, len(self._rows)
@@ -165,6 +166,8 @@ class RadialBasisFunctionInterpolant:
         block = lu_solve(self._leading, np.eye(2 * m))
         leading = np.diagonal(block) + self._kernel.sign * np.sum((inverse @ self._rows @ block) ** 2, axis=0)
         diagonal = np.concatenate([leading[m:], self._kernel.sign * np.sum(inverse**2, axis=0)])
+        if not (self._kernel.sign * diagonal > np.finfo(float).eps * np.abs(diagonal).max()).all():
+            raise SurrogateError(f"rbf: without one of the points the others do not determine the {m} tail functions")
         residuals = np.empty(len(self._points))
         residuals[self._order] = self._weights / diagonal
         return residuals
