@@ -100,6 +100,11 @@ class Evaluation:
     def feasible(self) -> bool:
         return not self.failed and bool(np.all(self.constraints <= 0.0))
 
+    @property
+    def violation(self) -> float:
+        """Σ max(0, constraint): 0 of a feasible design, NaN of a failed evaluation."""
+        return float("nan") if self.failed else float(np.sum(np.maximum(self.constraints, 0.0)))
+
 
 class Surrogate(Protocol):
     """A cheap model of an expensive function on the unit cube [0, 1]^d. Made as `cls(dimension, parameters)`.

@@ -117,6 +117,7 @@ def evaluation_document(problem: DesignProblem, evaluation: Evaluation) -> dict[
         "metrics": {
             name: _finite(_natural(kinds.get(name, Quantity(name)), value)) for name, value in evaluation.metrics.items()
         },
+        "violation": _finite(evaluation.violation),
         "origin": evaluation.origin,
         "trajectory": evaluation.trajectory,
         "reason": evaluation.reason,

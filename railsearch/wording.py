@@ -28,6 +28,21 @@ def candidate_marks(candidate: Mapping[str, Any]) -> str:
     return ", ".join(words for key, words in marks.items() if candidate[key])
 
 
+def none_feasible(document: Mapping[str, Any]) -> str:
+    """That a run has found no feasible design, and how near it came; empty if it has found one or only failures.
+
+    document: its key evaluations is used, as a result document has it.
+    """
+    made = [row for row in document["evaluations"] if row.get("violation") is not None]
+    if not made or any(row["violation"] == 0.0 for row in made):
+        return ""
+    nearest = min(made, key=lambda row: float(row["violation"]))
+    return (
+        f"none of {len(made)} designs is feasible; the smallest violation is {readable(nearest['violation'])}, summed over "
+        f"the constraints, at evaluation {nearest['number']}"
+    )
+
+
 def _listed(value: object) -> str:
     return f"({', '.join(map(_listed, value))})" if isinstance(value, list | tuple) else readable(value)
 

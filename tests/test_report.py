@@ -1,6 +1,8 @@
+import json
 import math
 import re
 import xml.etree.ElementTree as ElementTree
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +13,7 @@ import pytest
 
 from command_line import Answer
 from html_page import Page
-from railsearch.interfaces import Evaluation
+from railsearch.interfaces import Evaluation, Quantity
 from railsearch.report import write_figures, write_report
 from railsearch.report.figures import drawn
 from railsearch.report.history import history_figure, incumbents, resets, upper_limit
@@ -121,6 +123,71 @@ def test_the_same_figure_is_the_same_bytes(tmp_path: Path) -> None:
     ElementTree.fromstring(drawn(history_figure(Sphere(), HISTORY), "svg", "history"))
 
 
+CONSTRAINED = [replace(evaluation(k, 5.0 - k, "initial"), constraints=np.array([1.0 + k % 3, -9.0, 0.5])) for k in range(6)]
+
+
+def test_where_no_design_is_feasible_the_history_is_one_of_violations() -> None:
+    failed = replace(evaluation(6, math.nan, reason="no ballast"), constraints=np.full(3, np.nan))
+    figure = history_figure(Sphere(), [*CONSTRAINED, failed])
+    (axes,) = figure.axes
+    assert drawn_points(axes)["initial"] == [(k + 1.0, 1.5 + k % 3) for k in range(6)]
+    assert [c.get_facecolor().size for c in axes.collections if "initial" in c.get_label()] == [0]
+    (line,) = axes.lines
+    assert list(line.get_ydata()) == [1.5] * 7
+    assert "violation" in axes.get_ylabel()
+    assert "none is feasible" in figure.get_label()
+
+
+@pytest.mark.parametrize("objectives", [1, 2, 3])
+def test_infeasible_designs_are_hollow_beside_feasible_ones(objectives: int) -> None:
+    rows = [replace(e, objectives=np.full(objectives, e.objectives[0])) for e in CONSTRAINED]
+    rows += [replace(e, number=k + 6, constraints=-e.constraints * 0.0) for k, e in enumerate(rows[:3])]
+    problem = make_problem_with(objectives)
+    figure = history_figure(problem, rows)
+    for axes in figure.axes:
+        counts = Counter({True: 0, False: 0})
+        for collection in axes.collections:
+            counts[collection.get_facecolor().size > 0] += len(collection.get_offsets())
+        assert counts == {True: 3, False: 6}
+    assert "Hollow marks are infeasible designs" in figure.get_label()
+
+
+def make_problem_with(objectives: int) -> Sphere:
+    problem = Sphere()
+    problem.objectives = tuple(Quantity(f"f{k}") for k in range(objectives))
+    return problem
+
+
+def test_a_caption_explains_only_what_is_drawn() -> None:
+    plain = history_figure(Sphere(), [evaluation(k, 5.0 - k) for k in range(4)]).get_label()
+    assert "best so far" in plain
+    for word in ("incumbent", "riangle", "rosses", "ollow"):
+        assert word not in plain
+    everything = history_figure(Sphere(), HISTORY).get_label()
+    for word in ("best so far", "incumbent", "riangle", "Crosses"):
+        assert word in everything
+
+
+@pytest.mark.parametrize("objectives", [1, 2])
+@pytest.mark.filterwarnings("error")
+def test_a_history_without_marks_has_no_legend(objectives: int) -> None:
+    failed = [replace(e, objectives=np.full(objectives, np.nan), reason="no") for e in HISTORY]
+    history_figure(make_problem_with(objectives), failed)
+
+
+def test_a_run_without_a_feasible_design_says_so_at_once(railsearch: Callable[..., Answer], tmp_path: Path) -> None:
+    answer = railsearch("run", "pymoo:g6", "--strategy", "de", "--budget", 40, "--seed", 1, "--out", tmp_path)
+    document = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))
+    assert document["best"] is None
+    least = min(row["violation"] for row in document["evaluations"])
+    words = f"none of 40 designs is feasible; the smallest violation is {least:.5g}"
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    lead = text[text.index('<p class="lead">') :].split("</p>")[0]
+    assert words in lead
+    assert words in answer.out
+    assert "Warning" not in answer.err
+
+
 @pytest.fixture
 def result(railsearch: Callable[..., Answer], install: Callable[..., None], tmp_path: Path) -> Path:
     install(samples=sample_problems)
@@ -143,8 +210,6 @@ def test_the_report_stands_alone_and_tells_everything(result: Path) -> None:
 
 
 def test_hostile_text_stays_text(result: Path) -> None:
-    import json
-
     document = json.loads((result / "result.json").read_text(encoding="utf-8"))
     document["problem"]["label"] = "<script>alert(1)</script>"
     document["command"] = "railsearch run \"<img src='x'>\""

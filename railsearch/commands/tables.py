@@ -5,7 +5,7 @@ from typing import Any
 from rich.console import RenderableType
 from rich.table import Table
 
-from railsearch.wording import candidate_marks, outside, preference_words, quantity_label, readable
+from railsearch.wording import candidate_marks, none_feasible, outside, preference_words, quantity_label, readable
 
 FRONT_ROWS = 12
 
@@ -108,7 +108,9 @@ def _findings(found: dict[str, Any]) -> Table:
 def sentence(found: dict[str, Any]) -> str:
     """How much was evaluated, and how the best design came about."""
     best = found["best"]
-    place = f"best at evaluation {best['number']} ({best['origin']})" if best else "no feasible design"
+    place = (
+        f"best at evaluation {best['number']} ({best['origin']})" if best else none_feasible(found) or "no feasible design"
+    )
     if len(found["problem"]["objectives"]) > 1 and best:
         place = (
             f"front of {len(found['front'])} designs; shown as best is the one whose worst objective is best ({place[8:]})"

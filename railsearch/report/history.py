@@ -33,29 +33,52 @@ ROOM = 0.6
 WIDE_RANGE = 100.0
 # matplotlib.markers.CARETUPBASE: a triangle that stands below its point.
 BEYOND_EDGE: Final = 6
+HOLLOW_BEYOND_EDGE = "^"
+# Labels that begin with an underscore stay out of the legend.
+BEYOND = "_beyond"
+LEAST = "least so far"
 LABEL_BOX = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0}
 
 
 def history_figure(problem: DesignProblem, evaluations: Sequence[Evaluation]) -> Figure:
-    """Draw the history: values over evaluations for one objective; the objective space for two; a panel each for more."""
-    count = len(problem.objectives)
+    """Draw the history: values over evaluations for one objective; the objective space for two; a panel each for more.
+
+    Where designs were evaluated and none is feasible, their violations over the evaluations.
+    """
+    violations = not any(evaluation.feasible for evaluation in evaluations) and _has_infeasible(evaluations)
+    count = 1 if violations else len(problem.objectives)
     figure = Figure(figsize=(10.0, 4.8 if count < 3 else 1.2 + 2.4 * count), layout="constrained")
     figure.suptitle("Search history", x=0.01, ha="left", fontsize=12, fontweight="bold")
-    if count == 2:
+    if violations:
+        _draw_violations(figure.subplots(), evaluations)
+    elif count == 2:
         _draw_objective_space(figure.subplots(), problem, evaluations)
-        figure.set_label(
-            "Every evaluation by how it came about, in the space of both objectives, and the front of designs that no "
-            "other one dominates. Triangles stand for values beyond the edge."
-        )
     else:
         for axes, position in zip(figure.subplots(count, squeeze=False)[:, 0], range(count), strict=True):
             _draw_values(axes, problem, evaluations, position)
-        figure.set_label(
-            "Every evaluation by how it came about; the line is the best so far, the dashed line the incumbent, the best "
-            "since the last reset. Triangles at the upper edge stand for higher values, crosses at the lower edge for "
-            "failed evaluations."
-        )
+    figure.set_label(_caption(figure, evaluations))
     return figure
+
+
+def _caption(figure: Figure, evaluations: Sequence[Evaluation]) -> str:
+    """What the marks mean that are in the figure."""
+    marks = {artist.get_label() for axes in figure.axes for artist in (*axes.lines, *axes.collections)}
+    space = any(str(mark).startswith("front of") for mark in marks)
+    kinds = {str(mark).partition(" (")[0] for mark in marks}
+    told = [
+        ("Every evaluation by how it came about", True),
+        (", in the space of both objectives, and the front of designs that no other one dominates", space),
+        ("; the line is the best so far", "best so far" in kinds),
+        (", the dashed line the incumbent, the best since the last reset", "incumbent" in kinds),
+        (
+            "; none is feasible. Drawn is by how much each violates the constraints, summed; the line is the least so far",
+            LEAST in kinds,
+        ),
+        (". Hollow marks are infeasible designs", _has_infeasible(evaluations)),
+        (". Triangles stand for values beyond the edge", BEYOND in kinds),
+        (". Crosses at the lower edge stand for failed evaluations", "failed" in kinds),
+    ]
+    return "".join(words for words, there in told if there) + "."
 
 
 def incumbents(evaluations: Sequence[Evaluation], values: FloatArray) -> FloatArray:
@@ -81,17 +104,19 @@ def upper_limit(values: FloatArray) -> float:
 
 
 def _draw_values(axes: Axes, problem: DesignProblem, evaluations: Sequence[Evaluation], position: int) -> None:
-    values = np.array([e.objectives[position] if e.feasible else np.nan for e in evaluations])
-    sign = -1.0 if problem.objectives[position].maximised else 1.0
+    values = np.array([e.objectives[position] for e in evaluations])
+    feasible = np.where([e.feasible for e in evaluations], values, np.nan)
+    sign = problem.objectives[position].sign
     numbers = np.arange(1.0, values.size + 1.0)
-    if np.isfinite(values).any():
-        limit = upper_limit(values[np.isfinite(values)])
-        _draw_origins(axes, evaluations, numbers, sign * np.minimum(values, limit), np.greater(values, limit))
+    if np.isfinite(feasible).any():
+        low, limit = _window(feasible, values)
+        shown = np.clip(values, low, limit)
+        _draw_origins(axes, evaluations, numbers, sign * shown, np.abs(shown - values) > 0.0)
         axes.step(
-            numbers, sign * np.fmin.accumulate(values), where="post", color="black", lw=1.6, label="best so far", zorder=4
+            numbers, sign * np.fmin.accumulate(feasible), where="post", color="black", lw=1.6, label="best so far", zorder=4
         )
         if resets(evaluations):
-            best = sign * np.minimum(incumbents(evaluations, values), limit)
+            best = sign * np.minimum(incumbents(evaluations, feasible), limit)
             axes.step(numbers, best, where="post", color="black", lw=1.0, ls="--", label="incumbent", zorder=3)
     _mark_resets(axes, evaluations)
     _mark_failures(axes, evaluations)
@@ -99,53 +124,98 @@ def _draw_values(axes: Axes, problem: DesignProblem, evaluations: Sequence[Evalu
     _legend(axes)
 
 
+def _draw_violations(axes: Axes, evaluations: Sequence[Evaluation]) -> None:
+    values = np.array([evaluation.violation for evaluation in evaluations])
+    numbers = np.arange(1.0, values.size + 1.0)
+    known = values[np.isfinite(values)]
+    wide = known.max() > WIDE_RANGE * known.min()
+    limit = np.inf if wide else upper_limit(known)
+    _draw_origins(axes, evaluations, numbers, np.minimum(values, limit), values > limit)
+    axes.step(numbers, np.fmin.accumulate(values), where="post", color="black", lw=1.6, label=LEAST, zorder=4)
+    _mark_resets(axes, evaluations)
+    _mark_failures(axes, evaluations)
+    axes.set(
+        xlabel="evaluation",
+        ylabel="violation of the constraints",
+        xlim=(0, values.size + 1),
+        yscale="log" if wide else "linear",
+    )
+    _legend(axes)
+
+
+def _window(feasible: FloatArray, values: FloatArray) -> tuple[float, float]:
+    """Between which values (n,) the picture is, so that all good feasible ones are in it; NaN where there is none."""
+    known = feasible[np.isfinite(feasible)]
+    low, limit = float(known.min()), upper_limit(known)
+    if limit <= low:
+        known = values[np.isfinite(values)]
+        return float(known.min()), max(low, upper_limit(known))
+    return low - ROOM * (limit - low), limit
+
+
 def _draw_objective_space(axes: Axes, problem: DesignProblem, evaluations: Sequence[Evaluation]) -> None:
-    feasible = [evaluation for evaluation in evaluations if evaluation.feasible]
-    if feasible:
-        _draw_feasible(axes, problem, feasible)
+    made = [evaluation for evaluation in evaluations if not evaluation.failed]
+    if made:
+        _draw_made(axes, problem, made)
     failed = sum(evaluation.failed for evaluation in evaluations)
     axes.set(xlabel=_axis_label(problem.objectives[0]), ylabel=_axis_label(problem.objectives[1]))
     axes.set_title(f"{len(evaluations)} evaluations, {failed} failed", loc="left", fontsize=10)
     _legend(axes)
 
 
-def _draw_feasible(axes: Axes, problem: DesignProblem, evaluations: Sequence[Evaluation]) -> None:
+def _draw_made(axes: Axes, problem: DesignProblem, evaluations: Sequence[Evaluation]) -> None:
     """Points by origin, the front as a line, and the reference design by name."""
-    signs = np.array([-1.0 if quantity.maximised else 1.0 for quantity in problem.objectives])
+    signs = np.array([quantity.sign for quantity in problem.objectives])
     values = np.array([evaluation.objectives for evaluation in evaluations])
+    feasible = values[[evaluation.feasible for evaluation in evaluations]]
     members = np.array(sorted(tuple(member.objectives) for member in front(evaluations)))
-    limits = np.array([_limit(axes, row, signs[row], values[:, row]) for row in range(2)])
+    lows, limits = np.array([_axis_window(axes, row, signs[row], feasible[:, row], values[:, row]) for row in range(2)]).T
     limits = np.maximum(limits, members.max(axis=0))
-    x, y = (signs * np.minimum(values, limits)).T
-    _draw_origins(axes, evaluations, x, y, np.any(values > limits, axis=1))
+    shown = np.clip(values, lows, limits)
+    x, y = (signs * shown).T
+    _draw_origins(axes, evaluations, x, y, np.any(shown != values, axis=1))
     label = f"front of {len(members)}"
     axes.step(*(signs * members).T, where="post", color="black", lw=1.4, label=label, zorder=4)
     reference = reference_evaluation(problem, evaluations)
     if reference is not None:
-        place = signs * np.minimum(reference.objectives, limits)
+        place = signs * np.clip(reference.objectives, lows, limits)
         axes.annotate("reference", place, (8, 8), textcoords="offset points", fontsize=10, zorder=7, bbox=LABEL_BOX)
 
 
-def _limit(axes: Axes, row: int, sign: float, values: FloatArray) -> float:
+def _axis_window(axes: Axes, row: int, sign: float, feasible: FloatArray, values: FloatArray) -> tuple[float, float]:
     """Where an axis of the objective space ends, for values (n,) as they are minimised; nowhere if it is logarithmic."""
     natural = sign * values
     if natural.min() > 0.0 and natural.max() > WIDE_RANGE * natural.min():
         axes.set(**{"xscale" if row == 0 else "yscale": "log"})
-        return np.inf
-    return upper_limit(values)
+        return -np.inf, np.inf
+    return _window(feasible, values)
 
 
 def _draw_origins(axes: Axes, evaluations: Sequence[Evaluation], x: FloatArray, y: FloatArray, beyond: Mask) -> None:
+    """Points by origin, hollow where a design is infeasible, triangles where a value lies beyond the edge."""
     origins = list(dict.fromkeys(evaluation.origin for evaluation in evaluations))
     others = iter(OTHER_ORIGINS * len(origins))
     of = np.array([evaluation.origin for evaluation in evaluations])
+    feasible = np.array([evaluation.feasible for evaluation in evaluations])
+    there = np.isfinite(y)
     for origin in origins:
         colour, marker = KNOWN_ORIGINS.get(origin) or next(others)
-        inside = (of == origin) & ~beyond
         size, level = (110, 6) if marker == "*" else (22, 5)
-        look: dict[str, Any] = {"color": colour, "linewidths": 0, "zorder": level}
-        axes.scatter(x[inside], y[inside], s=size, marker=marker, label=f"{origin} ({sum(of == origin)})", **look)
-        axes.scatter(x[(of == origin) & beyond], y[(of == origin) & beyond], s=22, marker=BEYOND_EDGE, **look)
+        filled: dict[str, Any] = {"color": colour, "linewidths": 0, "zorder": level}
+        hollow: dict[str, Any] = {"facecolors": "none", "edgecolors": colour, "linewidths": 0.8, "zorder": level}
+        mine = (of == origin) & there
+        label: str | None = f"{origin} ({np.count_nonzero(of == origin)})"
+        for look, kind, edge in ((filled, mine & feasible, BEYOND_EDGE), (hollow, mine & ~feasible, HOLLOW_BEYOND_EDGE)):
+            inside, outside = kind & ~beyond, kind & beyond
+            if kind.any():
+                axes.scatter(x[inside], y[inside], s=size, marker=marker, label=label, **look)
+                label = None
+            if outside.any():
+                axes.scatter(x[outside], y[outside], s=22, marker=edge, label=BEYOND, **look)
+
+
+def _has_infeasible(evaluations: Sequence[Evaluation]) -> bool:
+    return any(not evaluation.failed and not evaluation.feasible for evaluation in evaluations)
 
 
 def _mark_resets(axes: Axes, evaluations: Sequence[Evaluation]) -> None:
@@ -185,7 +255,8 @@ def _mark_failures(axes: Axes, evaluations: Sequence[Evaluation]) -> None:
 def _legend(axes: Axes) -> None:
     axes.grid(alpha=0.3)
     axes.spines[["top", "right"]].set_visible(False)
-    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=10)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=10)
 
 
 def _axis_label(quantity: Quantity) -> str:

@@ -17,7 +17,7 @@ from railsearch.report.markup import (
     table,
 )
 from railsearch.run_directory import write_whole
-from railsearch.wording import readable
+from railsearch.wording import none_feasible, readable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -56,9 +56,10 @@ def _summary(document: Mapping[str, Any]) -> str:
     found = f"Compared with the reference design, the best one has {' and '.join(gains)}." if gains else ""
     counted = (
         f"{len(document['evaluations'])} of {document['budget']} evaluations with strategy {document['strategy']['name']}, "
-        f"{document['failed']} of them failed."
+        f"{document['failed']} of them failed"
     )
-    return f"{counted} {found}".strip()
+    infeasible = none_feasible(document)
+    return f"{counted}: {infeasible}." if infeasible else f"{counted}. {found}".strip()
 
 
 def _searched(document: Mapping[str, Any]) -> list[str]:
