@@ -35,22 +35,25 @@ def problem(
 
 
 def algorithm(
-    strategy: str,
+    strategy: "str | type[Any]",
     budget: int,
     settings: Mapping[str, object] | None = None,
     given: "Sequence[FloatArray]" = (),
 ) -> "StrategyAlgorithm":
-    """A registered strategy as a pymoo `Algorithm`, for `pymoo.optimize.minimize(problem, algorithm, seed=…)`.
+    """A strategy as a pymoo `Algorithm`, for `pymoo.optimize.minimize(problem, algorithm, seed=…)`.
 
-    It works on any pymoo problem with bounds and ends exactly at the budget. settings: those of the strategy that differ
-    from its defaults; given: designs (d,) to evaluate first. Raises PluginError for an unknown name.
+    It works on any pymoo problem with bounds and ends exactly at the budget. strategy: the name of a registered one, or a
+    class; settings: those of the strategy that differ from its defaults; given: designs (d,) to evaluate first. Raises
+    PluginError for an unknown name, and for a class that is not a strategy.
     """
     from railsearch.plugin_manager import load_plugins
     from railsearch.pymoo_algorithm import StrategyAlgorithm
 
-    registry = load_plugins()
-    registry.entry("strategy", strategy)
-    return StrategyAlgorithm(registry, strategy, budget, settings, given)
+    registry, name = load_plugins(), strategy if isinstance(strategy, str) else strategy.__name__
+    if not isinstance(strategy, str):
+        registry = registry.extended("strategy", name, strategy)
+    registry.entry("strategy", name)
+    return StrategyAlgorithm(registry, name, budget, settings, given)
 
 
 def pymoo_strategy(
@@ -59,11 +62,11 @@ def pymoo_strategy(
     """A strategy class that searches with copies of a pymoo `Algorithm` instance, to be registered under a name.
 
     In a plugin: `register("my-nsga2", railsearch.pymoo_strategy(NSGA2(pop_size=40)))`; in a program of one's own:
-    `run_search(load_plugins().extended("strategy", "my-nsga2", …), …)`. The budget takes the place of the algorithm's
-    termination, the run's seed that of its own; integers are rounded; given designs take the place of the first members of
-    its first population. multi_objective: whether it handles several objectives; by default, whether pymoo keeps it among
-    its multi-objective algorithms; constraints: whether it handles constraints (MOEA/D of pymoo does not). Raises InputError
-    for anything but an instance that has not been used.
+    `railsearch.algorithm(railsearch.pymoo_strategy(NSGA2(pop_size=40)), budget=200)`. The budget takes the place of the
+    algorithm's termination, the run's seed that of its own; integers are rounded; given designs take the place of the first
+    members of its first population. multi_objective: whether it handles several objectives; by default, whether pymoo keeps
+    it among its multi-objective algorithms; constraints: whether it handles constraints (MOEA/D of pymoo does not). Raises
+    InputError for anything but an instance that has not been used.
     """
     from railsearch.pymoo_generations import strategy_from_algorithm
 

@@ -8,6 +8,7 @@ from pymoo.core.algorithm import Algorithm
 from pymoo.core.population import Population
 from pymoo.core.problem import Problem
 from pymoo.util.optimum import filter_optimum
+from threadpoolctl import threadpool_limits
 
 from railsearch.design_problem import DesignProblem
 from railsearch.errors import CapabilityError
@@ -19,7 +20,7 @@ from railsearch.space import FloatArray, Space, Variable
 
 
 class StrategyAlgorithm(Algorithm):  # type: ignore[misc]
-    """Asks a strategy, lets pymoo evaluate, tells the strategy; ends exactly at the budget.
+    """Asks a strategy, lets pymoo evaluate, tells the strategy; ends at the budget, or where a termination ends it before.
 
     registry: where the strategy is found by name; budget: evaluations in all; settings: those of the strategy that differ
     from its defaults; given: designs (d,) to evaluate first. The seed is that of `pymoo.optimize.minimize`. At a seed the
@@ -62,12 +63,13 @@ class StrategyAlgorithm(Algorithm):  # type: ignore[misc]
         return self._infill()
 
     def _infill(self) -> Population:
-        return self._population(self._strategy.ask())
+        with threadpool_limits(1):
+            return self._population(self._strategy.ask())
 
-    def _initialize_advance(self, infills: Population | None = None, **kwargs: object) -> None:
+    def _initialize_advance(self, infills: Population, **kwargs: object) -> None:
         self._tell(infills)
 
-    def _advance(self, infills: Population | None = None, **kwargs: object) -> None:
+    def _advance(self, infills: Population, **kwargs: object) -> None:
         self._tell(infills)
         self.pop: Population = Population.merge(self.pop, infills)
 
@@ -79,12 +81,15 @@ class StrategyAlgorithm(Algorithm):  # type: ignore[misc]
         self._proposals = list(proposals[: self._budget - self._spent])
         return Population.new(X=np.array([proposal.design for proposal in self._proposals]).astype(self._type))
 
-    def _tell(self, infills: Population | None) -> None:
+    def _tell(self, infills: Population) -> None:
         evaluations = []
-        for proposal, individual in zip(self._proposals, infills or [], strict=True):
+        for proposal, individual in zip(self._proposals, infills, strict=True):
             evaluations.append(_evaluation(self._spent, proposal, individual, self._metrics))
             self._spent += 1
-        self._strategy.tell(evaluations)
+        with threadpool_limits(1):
+            self._strategy.tell(evaluations)
+        if self._spent >= self._budget:
+            self.termination.terminate()
 
 
 def _evaluation(number: int, proposal: Proposal, individual: Any, metrics: Sequence[str]) -> Evaluation:

@@ -5,7 +5,8 @@ of its algorithms draw from numpy's global generator, which is lent to them and 
 """
 
 import copy
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -52,7 +53,8 @@ class PymooGenerations:
         with self._randomness.lent():
             self.algorithm = self._make(known)
             self._set_up(seed)
-            self._infills = self.algorithm.ask()
+            with self._named_failure():
+                self._infills = self.algorithm.ask()
         designs = self._designs()
         shared = min(len(known), len(designs))
         designs[:shared] = known[:shared]
@@ -66,7 +68,7 @@ class PymooGenerations:
         for individual, design in zip(population, designs, strict=True):
             individual.X = self._context.space.named(design) if isinstance(individual.X, dict) else design.copy()
         new = [row for row, individual in enumerate(population) if not individual.evaluated]
-        with self._randomness.lent():
+        with self._randomness.lent(), self._named_failure():
             static = StaticProblem(self.algorithm.problem, F=objectives[new], G=constraints[new][:, : self._n_constraints])
             self.algorithm.evaluator.eval(static, population[new])
             self.algorithm.tell(infills=self._infills)
@@ -88,6 +90,15 @@ class PymooGenerations:
                 f"{name} of pymoo refuses this problem: {error}. One that handles no constraints has to be made a strategy "
                 "with constraints=False, since failed evaluations are told as violations of one"
             ) from error
+
+    @contextmanager
+    def _named_failure(self) -> Iterator[None]:
+        """An error inside the algorithm says whose it is."""
+        try:
+            yield
+        except Exception as error:
+            name = type(self.algorithm).__name__
+            raise PluginError(f"{name} of pymoo cannot go on: {type(error).__name__}: {error}") from error
 
     def _population(self) -> Any:
         """What the algorithm asked for; a single individual stands for a population of one."""

@@ -7,7 +7,7 @@ from pymoo.problems import get_problem
 
 import railsearch
 from railsearch.errors import CapabilityError, InputError, PluginError
-from railsearch.interfaces import Outcome
+from railsearch.interfaces import Outcome, Quantity
 from railsearch.plugin_manager import load_plugins
 from railsearch.run import RunSettings, run_search
 from registered_strategies import SMALL_SETTINGS, every_strategy, small_budget
@@ -37,6 +37,24 @@ def test_the_budget_is_exact_on_any_pymoo_problem(strategy):
     problem = get_problem("zdt1", n_var=6) if strategy == "nsga2" else get_problem("ackley", n_var=5)
     result = minimize(problem, railsearch.algorithm(strategy, 53), seed=1)
     assert result.algorithm.evaluator.n_eval == 53
+
+
+@pytest.mark.parametrize(("termination", "spent"), [(("n_eval", 500), 25), (("n_gen", 900), 25), (("n_eval", 22), 22)])
+def test_a_termination_of_ones_own_may_be_longer_or_shorter_than_the_budget(termination, spent):
+    result = minimize(get_problem("sphere", n_var=3), railsearch.algorithm("dycors", 25), termination, seed=1)
+    assert result.algorithm.evaluator.n_eval == spent
+    assert np.isfinite(result.F).all()
+
+
+def test_a_strategy_class_is_as_good_as_a_name():
+    from railsearch_plugins.strategies.dycors import DynamicCoordinateSearch
+
+    found = [
+        minimize(Sphere(), railsearch.algorithm(dycors, 30), seed=1).F for dycors in ("dycors", DynamicCoordinateSearch)
+    ]
+    assert np.array_equal(*found)
+    with pytest.raises(PluginError, match="Quantity"):
+        railsearch.algorithm(Quantity, 30)
 
 
 def test_dycors_under_pymoo_solves_a_sphere():

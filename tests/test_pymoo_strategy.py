@@ -121,3 +121,13 @@ def test_one_objective_is_all_that_a_single_objective_algorithm_gets():
     with pytest.raises(Exception, match="my-ga handles one objective"):
         run_search(registry, TwoObjectives(), RunSettings("my-ga", 30, 2))
     assert len(run_search(registry, Sphere(), RunSettings("my-ga", 30, 2)).evaluations) == 30
+
+
+def test_a_failure_inside_an_algorithm_says_whose_it_is():
+    class Fragile(GA):
+        def _infill(self):
+            raise ValueError("no parents left")
+
+    strategy = railsearch.pymoo_strategy(Fragile(pop_size=10))
+    with pytest.raises(PluginError, match="Fragile of pymoo cannot go on: ValueError: no parents left"):
+        run_trial(strategy, Trial(REAL, budget=30))

@@ -119,12 +119,13 @@ def test_the_format_in_the_documentation_is_read(load: Load, registry: Registry,
     assert settings.worst["F_max"] == 7000.0
 
 
-def test_the_campaign_file_of_the_manual_is_read(load: Load) -> None:
+def test_the_campaign_file_of_the_manual_is_read(load: Load, registry: Registry) -> None:
     manual = (EXAMPLES.parent / "docs" / "campaigns.md").read_text(encoding="utf-8")
     (text,) = re.findall(r"^```toml\n(.*?)^```", manual, re.DOTALL | re.MULTILINE)
     campaign = load(text)
     assert [entry.label for entry in campaign.problems] == ["sphere", "asf", "front"]
     assert campaign.problems[1].settings.sections == {"track": {"passage": {"speed": 40.0}}}
+    assert refusals(registry, campaign, make_problems(registry, campaign)) == []
 
 
 def test_what_is_left_out_has_the_stated_default(load: Load) -> None:

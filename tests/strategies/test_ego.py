@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
+from railsearch.design_problem import DesignProblem
 from railsearch.errors import CapabilityError
-from railsearch.interfaces import Evaluation
+from railsearch.interfaces import Evaluation, Outcome, Quantity
 from railsearch.plugin_manager import load_plugins
+from railsearch.run import RunSettings, run_search
 from railsearch.space import Space, Variable
 from railsearch.testing import Trial, run_trial
 from railsearch_plugins.metric_search.expected_improvement import expected_improvement
@@ -128,6 +130,38 @@ def test_a_wave_of_several_valleys_is_solved_after_50_evaluations(space):
     x = np.linspace(0.0, 4.0, 4001)
     lowest = (np.sin(3.0 * x) + 0.3 * (x - 1.0) ** 2).min()
     assert min(e.objectives[0] for e in run) < lowest + 1e-3
+
+
+def test_kriging_is_regularised_unless_it_is_told_otherwise():
+    seen = []
+
+    def make(name, dimension, settings):
+        seen.append((name, settings["length_scale_prior"]))
+        return load_plugins().surrogate(name, dimension, settings)
+
+    for settings in ({}, {"surrogate_settings": {"length_scale_prior": 2.0}}):
+        run_trial(EfficientGlobalOptimisation, Trial(PLANE, budget=22), settings, surrogate=make)
+    assert dict.fromkeys(seen) == dict.fromkeys([("kriging", 0.5), ("kriging", 2.0)])
+
+
+class LeftFails(DesignProblem):
+    """Improvement is promised where every evaluation fails."""
+
+    def __init__(self):
+        super().__init__("left fails", PLANE, [Quantity("f")])
+
+    def simulate(self, design):
+        if design[0] < 2.0:
+            raise ValueError("no result on the left")
+        return Outcome(np.array([np.sum((PLANE.to_unit(design) - np.array([0.4, 0.3])) ** 2)]))
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_the_search_finds_its_way_out_of_failures(seed):
+    """Without a probability of success all of the last 25 evaluations fail, and the best is 0.03 to 0.08."""
+    evaluations = run_search(load_plugins(), LeftFails(), RunSettings("ego", 45, seed)).evaluations
+    assert sum(evaluation.failed for evaluation in evaluations[20:]) < 25
+    assert min(evaluation.objectives[0] for evaluation in evaluations if not evaluation.failed) < 0.02
 
 
 def test_a_surrogate_without_deviation_is_refused_with_the_remedy():

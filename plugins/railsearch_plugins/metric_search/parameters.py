@@ -1,9 +1,24 @@
 """The numbers of a metric stochastic response surface search."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from railsearch.errors import InputError
 from railsearch.interfaces import parameter
+
+REGULARISED: Mapping[str, Mapping[str, object]] = {
+    "kriging": {"length_scale_prior": 0.5, "starts": 2, "reoptimise_every": 5},
+}
+"""Settings of a surrogate in a search by improvement: few points must not tell variables apart by chance."""
+
+REGULARISED_MEANING = "parameters of the surrogate; kriging has " + ", ".join(
+    f"{name} {value}" for name, value in REGULARISED["kriging"].items()
+)
+
+
+def regularised(surrogate: str, settings: Mapping[str, object] | None) -> dict[str, object]:
+    """The settings of a registered surrogate in a search by improvement, the given ones taking precedence."""
+    return {**REGULARISED.get(surrogate, {}), **(settings or {})}
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,7 @@ from dataclasses import dataclass
 from railsearch.hookspecs import Register, hookimpl
 from railsearch.interfaces import Capabilities, Surrogate, parameter
 from railsearch_plugins.metric_search.adaptive_search import AdaptiveSearch, AdaptiveSearchParameters
-
-REGULARISED = {"length_scale_prior": 0.5, "starts": 2, "reoptimise_every": 5}
-"""Settings of kriging in a search: few points must not tell variables apart by chance."""
+from railsearch_plugins.metric_search.parameters import REGULARISED_MEANING, regularised
 
 
 @dataclass(frozen=True)
@@ -18,7 +16,7 @@ class AdaptiveKrigingParameters(AdaptiveSearchParameters):
     surrogate: str = parameter("kriging", meaning="name of the registered surrogate, one that has a deviation")
     surrogate_settings: dict[str, object] | None = parameter(  # noqa: RUF009 - a field, not a value
         None,
-        meaning="parameters of the surrogate; kriging has length_scale_prior 0.5, starts 2, reoptimise_every 5 if not set",
+        meaning=f"{REGULARISED_MEANING} if not set",
     )
     interpolant_from: float = parameter(
         0.5,
@@ -39,8 +37,7 @@ class AdaptiveKrigingSearch(AdaptiveSearch):
     capabilities = Capabilities(integers=True, batch=True)
 
     def _new_surrogate(self, settings: Mapping[str, object]) -> Surrogate:
-        defaults = REGULARISED if self._parameters.surrogate == "kriging" else {}
-        return super()._new_surrogate({**defaults, **settings})
+        return super()._new_surrogate(regularised(self._parameters.surrogate, settings))
 
 
 @hookimpl

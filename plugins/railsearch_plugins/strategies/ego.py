@@ -4,11 +4,13 @@
 |---|---|---|---|---|
 | x* | best design so far | (d,) | native | |
 | EI | expected improvement on the best value | (t,) | of f | Jones et al. 1998 |
+| P | probability of success, the mean of 1 and 0 of all evaluations weighted by 1/distance² | (t,) | - | Shepard 1968 |
 | σ | standard deviation of a perturbation of x*, σ₀ 2^−k with k = 0 … K | scalars | of the range | own choice |
 
-The largest EI is looked for among random designs and perturbations of x*; the best of them are polished by its gradient with
-the integers held, and with integers a branch and bound over −log EI joins in. A batch is made by the Kriging believer
-(Ginsbourger, Le Riche and Carraro 2010): each design joins the surrogate with its predicted value before the next is chosen.
+The largest EI, or EI · P once evaluations have failed, is looked for among random designs and perturbations of x*; the best
+of them are polished by EI's gradient with the integers held, and with integers a branch and bound over −log EI joins in. A
+batch is made by the Kriging believer (Ginsbourger, Le Riche and Carraro 2010): each design joins the surrogate with its
+predicted value before the next is chosen.
 """
 
 from dataclasses import dataclass
@@ -31,11 +33,15 @@ from railsearch.sampling import random_designs
 from railsearch.space import FloatArray
 from railsearch_plugins.metric_search.believer import believing
 from railsearch_plugins.metric_search.candidates import perturbed
+from railsearch_plugins.metric_search.parameters import REGULARISED_MEANING, regularised
 from railsearch_plugins.metric_search.tree_search import tree_search
 from railsearch_plugins.surrogate_search.log_improvement import NegativeLogImprovement
 from railsearch_plugins.surrogate_search.models import ResponseModels, surrogate_maker
 from railsearch_plugins.surrogate_search.parameters import MultiscaleParameters
 from railsearch_plugins.surrogate_search.search import SurrogateSearch, default_initial_size
+
+TOUCHING = 1e-9
+"""The least distance in the weights of P."""
 
 POLISHING_ITERATIONS = 30
 """Limit of the quasi-Newton iterations from one start."""
@@ -46,13 +52,18 @@ class EfficientGlobalOptimisationParameters(MultiscaleParameters):
     """What can be set of the search."""
 
     surrogate: str = parameter(
-        "kriging", meaning="name of the registered surrogate, one that has a deviation", source="Jones et al. 1998"
+        "kriging",
+        meaning="name of the registered surrogate, one that has a deviation and the gradients of both",
+        source="Jones et al. 1998",
     )
     candidates_per_dimension: int = parameter(
         100,
         meaning="candidates per variable, half of them random and half near the best design",
         source="own choice",
         minimum=2,
+    )
+    surrogate_settings: dict[str, object] | None = parameter(  # noqa: RUF009 - a field, not a value
+        None, meaning=f"{REGULARISED_MEANING} if not set"
     )
     perturbed_coordinates: float = parameter(
         3.0,
@@ -83,7 +94,8 @@ class EfficientGlobalOptimisation(SurrogateSearch):
         size = parameters.initial_size or default_initial_size(context.space.dimension)
         super().__init__(context, size, parameters.minimum_distance)
         self._parameters = parameters
-        make = surrogate_maker(context, parameters.surrogate, parameters.surrogate_settings)
+        settings = regularised(parameters.surrogate, parameters.surrogate_settings)
+        make = surrogate_maker(context, parameters.surrogate, settings)
         methods = ("gradient", "deviation", "deviation_gradient")
         require_methods(
             make(), parameters.surrogate, methods, "expected improvement", "choose one that has, such as kriging"
@@ -119,7 +131,7 @@ class EfficientGlobalOptimisation(SurrogateSearch):
         """The design of largest expected improvement that is not too near to an evaluated point (n, d)."""
         space = self._context.space
         candidates = self._candidates(incumbent)
-        order = np.argsort(improvement.predict(space.to_unit(candidates)), kind="stable")
+        order = np.argsort(self._cost(improvement, space.to_unit(candidates)), kind="stable")
         polished = [self._polished(improvement, candidates[k]) for k in order[: self._parameters.polished]]
         designs = np.vstack([candidates, *polished])
         n_polished = len(designs)
@@ -128,8 +140,20 @@ class EfficientGlobalOptimisation(SurrogateSearch):
         apart = np.flatnonzero(cdist(points, evaluated).min(axis=1) >= self._parameters.minimum_distance)
         if not len(apart):
             return None
-        k = int(apart[np.argmin(improvement.predict(points[apart]))])
+        k = int(apart[np.argmin(self._cost(improvement, points[apart]))])
         return Proposal(designs[k], "expected-improvement" if k < n_polished else "tree-search")
+
+    def _cost(self, improvement: NegativeLogImprovement, points: FloatArray) -> FloatArray:
+        """−log(EI · P) at points (t, d), P being the probability that an evaluation does not fail."""
+        failures = self._record.failures
+        if not failures:
+            return improvement.predict(points)
+        space, successes = self._context.space, [evaluation.design for evaluation in self._record.successes]
+        weights = [
+            np.sum(1.0 / np.maximum(cdist(points, space.to_unit(np.array(designs))), TOUCHING) ** 2, axis=1)
+            for designs in (successes, failures)
+        ]
+        return improvement.predict(points) - np.log(weights[0] / (weights[0] + weights[1]))
 
     def _candidates(self, incumbent: FloatArray) -> FloatArray:
         """Random designs and perturbations (t, d) of the best design, of every step size as many."""

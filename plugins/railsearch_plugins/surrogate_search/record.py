@@ -12,15 +12,16 @@ from railsearch.space import FloatArray, Space
 class EvaluationRecord:
     """The evaluations of a run, each design once.
 
-    `seen` holds every design by its key, failed ones included; `successes` the evaluations that did not fail; `learnable`
-    those of them that lie `minimum_distance` or more (unit cube) from every earlier one, so that a surrogate through all of
-    them is well determined.
+    `seen` holds every design by its key, `failures` those that failed, `successes` the evaluations that did not, and
+    `learnable` the successes that lie `minimum_distance` or more (unit cube) from every earlier one, so that a surrogate
+    through all of them is well determined.
     """
 
     def __init__(self, space: Space, minimum_distance: float) -> None:
         self._space = space
         self._minimum_distance = minimum_distance
         self.seen: dict[bytes, FloatArray] = {}
+        self.failures: list[FloatArray] = []
         self.successes: list[Evaluation] = []
         self.learnable: list[Evaluation] = []
 
@@ -32,6 +33,7 @@ class EvaluationRecord:
                 continue
             self.seen[key] = evaluation.design
             if evaluation.failed:
+                self.failures.append(evaluation.design)
                 continue
             self.successes.append(evaluation)
             if self._apart(evaluation.design):
