@@ -153,7 +153,8 @@ class EfficientGlobalOptimisation(SurrogateSearch):
             np.sum(1.0 / np.maximum(cdist(points, space.to_unit(np.array(designs))), TOUCHING) ** 2, axis=1)
             for designs in (successes, failures)
         ]
-        return improvement.predict(points) - np.log(weights[0] / (weights[0] + weights[1]))
+        probability: FloatArray = weights[0] / (weights[0] + weights[1])
+        return improvement.predict(points) - np.log(probability)
 
     def _candidates(self, incumbent: FloatArray) -> FloatArray:
         """Random designs and perturbations (t, d) of the best design, of every step size as many."""
