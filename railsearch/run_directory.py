@@ -75,6 +75,11 @@ class RunDirectory:
         if begun is document and not (self.folder / STUDY_FILE).exists():
             (self.folder / IDENTITY_FILE).unlink()
 
+    def abandon(self) -> None:
+        """Remove the claim and the record in the folder, of a run that is refused before it has searched anything."""
+        for path in (self.folder / IDENTITY_FILE, *self.folder.glob(f"{STUDY_FILE}*")):
+            path.unlink(missing_ok=True)
+
     def write(self, name: str, text: str) -> None:
         """Write a file whole or not at all."""
         write_whole(self.folder / name, text.encode("utf-8"))

@@ -387,3 +387,42 @@ def test_an_initial_seed_is_shared_by_runs_of_different_seeds(railsearch: Cli, t
     designs = [[row["design"] for row in json.loads(run.out)["evaluations"]] for run in runs]
     assert designs[0][:20] == designs[1][:20]
     assert designs[0] != designs[1]
+
+
+@pytest.mark.parametrize("own_storage", [False, True])
+def test_a_run_refused_after_the_reference_design_leaves_no_record(
+    railsearch: Cli, install: Callable[..., None], tmp_path: Path, own_storage: bool
+) -> None:
+    install(samples=sample_problems)
+    site = tmp_path / "site.toml"
+    words = ["run", "two", "-p", site, "--scalarise", "asf", "--strategy", "random", "--budget", 3, "--seed", 1]
+    words += ["--out", tmp_path / "run", *(["--storage", f"sqlite:///{tmp_path / 'all.db'}"] if own_storage else [])]
+    site.write_text("[scalariser.asf]\nworst = { left = 1.0 }\n")
+    refused(railsearch(*words), "the aspiration of left must lie below its worst value", "2.6 and 1")
+    assert [path.name for path in (tmp_path / "run").iterdir()] == [".lock"]
+    site.write_text("[scalariser.asf]\nworst = { left = 100.0 }\n")
+    answer = railsearch(*words, "--json")
+    assert answer.code == 0, answer.err
+    assert len(json.loads(answer.out)["evaluations"]) == 3
+
+
+def test_a_reference_that_fails_leaves_no_record_of_a_run_that_needs_it(
+    railsearch: Cli, install: Callable[..., None], tmp_path: Path
+) -> None:
+    class Broken(TwoObjectives):
+        def simulate(self, design: Any) -> Any:
+            if np.array_equal(design, self.reference):
+                raise ZeroDivisionError("no ballast")
+            return super().simulate(design)
+
+    @hookimpl
+    def railsearch_problems(register: Callable[[str, Any], None]) -> None:
+        register("broken", Broken)
+
+    plugin = types.ModuleType("samples")
+    vars(plugin)["railsearch_problems"] = railsearch_problems
+    install(samples=lambda: plugin)
+    words = ("run", "broken", "--scalarise", "asf", "--strategy", "random", "--budget", 3, "--seed", 1, "--out", tmp_path)
+    refused(railsearch(*words), "its evaluation failed", "give the scalariser its aspiration values")
+    assert not (tmp_path / "run.json").exists()
+    assert not (tmp_path / "study.db").exists()

@@ -204,6 +204,12 @@ def _searched(
     try:
         with run_progress(problem, limit) as watch:
             return run_search(registry, problem, settings, given, record, watch, simulating)
+    except InputError:
+        # A scalariser may turn out not to suit the problem once the reference design is known: the mended run is another.
+        if all(evaluation.number == 0 and evaluation.origin == "given" for evaluation in record.load()):
+            record.remove()
+            folder.abandon()
+        raise
     except KeyboardInterrupt:
         messages.print(
             f"stopped: {len(record.load())} evaluations are in {folder.folder}; the same command goes on from there"

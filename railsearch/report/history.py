@@ -33,7 +33,7 @@ ROOM = 0.6
 WIDE_RANGE = 100.0
 # matplotlib.markers.CARETUPBASE: a triangle that stands below its point.
 BEYOND_EDGE: Final = 6
-HOLLOW_BEYOND_EDGE = "^"
+HOLLOW_BEYOND_EDGE: Final = "^"
 # Labels that begin with an underscore stay out of the legend.
 BEYOND = "_beyond"
 LEAST = "least so far"
@@ -178,8 +178,8 @@ def _draw_made(axes: Axes, problem: DesignProblem, evaluations: Sequence[Evaluat
     axes.step(*(signs * members).T, where="post", color="black", lw=1.4, label=label, zorder=4)
     reference = reference_evaluation(problem, evaluations)
     if reference is not None:
-        place = signs * np.clip(reference.objectives, lows, limits)
-        axes.annotate("reference", place, (8, 8), textcoords="offset points", fontsize=10, zorder=7, bbox=LABEL_BOX)
+        right, up = signs * np.clip(reference.objectives, lows, limits)
+        axes.annotate("reference", (right, up), (8, 8), textcoords="offset points", fontsize=10, zorder=7, bbox=LABEL_BOX)
 
 
 def _axis_window(axes: Axes, row: int, sign: float, feasible: FloatArray, values: FloatArray) -> tuple[float, float]:
@@ -205,7 +205,11 @@ def _draw_origins(axes: Axes, evaluations: Sequence[Evaluation], x: FloatArray, 
         hollow: dict[str, Any] = {"facecolors": "none", "edgecolors": colour, "linewidths": 0.8, "zorder": level}
         mine = (of == origin) & there
         label: str | None = f"{origin} ({np.count_nonzero(of == origin)})"
-        for look, kind, edge in ((filled, mine & feasible, BEYOND_EDGE), (hollow, mine & ~feasible, HOLLOW_BEYOND_EDGE)):
+        kinds: tuple[tuple[Any, Mask, Any], ...] = (
+            (filled, mine & feasible, BEYOND_EDGE),
+            (hollow, mine & ~feasible, HOLLOW_BEYOND_EDGE),
+        )
+        for look, kind, edge in kinds:
             inside, outside = kind & ~beyond, kind & beyond
             if kind.any():
                 axes.scatter(x[inside], y[inside], s=size, marker=marker, label=label, **look)

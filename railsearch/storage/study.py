@@ -89,6 +89,11 @@ class RunStorage:
         self._safe = len(evaluations)
         return sorted(evaluations, key=lambda evaluation: evaluation.number)
 
+    def remove(self) -> None:
+        """Remove the study with its evaluations. Raises StorageError if it cannot be done."""
+        with writable(self._place, f"{self._safe} evaluations are"), self._lock:
+            optuna.delete_study(study_name=self._study.study_name, storage=self._study._storage)
+
     def append(self, evaluation: Evaluation) -> None:
         """Store one finished evaluation in one transaction.
 
