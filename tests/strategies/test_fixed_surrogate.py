@@ -17,7 +17,7 @@ from railsearch.plugin_manager import load_plugins
 from railsearch.pymoo_algorithm import StrategyAlgorithm
 from railsearch.run import RunSettings, best, run_search
 from railsearch.space import Space, Variable
-from railsearch_plugins.strategies.fixed_surrogate import FixedSurrogateParameters
+from railsearch_plugins.strategies.fixed_surrogate import FixedSurrogateParameters, FixedSurrogateSearch
 from railsearch_plugins.surrogate_search.validation import chosen_surrogate, predictivity, relative_error, split_rows
 
 REGISTRY = load_plugins()
@@ -102,6 +102,33 @@ def test_without_the_exact_price_its_jumps_mislead_the_surrogate():
         return best(search(ScalarisedProblem(problem, "sum", Sum()), 40).evaluations).objectives[0]
 
     assert lowest(DampingAndPrice()) < lowest(AllSimulated())
+
+
+def test_several_starts_find_the_basin_of_another_integer(monkeypatch):
+    """Each of 40 whole numbers has a bowl of its own; the surrogate is the truth."""
+    depth, x, y = np.random.default_rng(3).random((3, 40))
+
+    def bowls(search, designs):
+        k = designs[:, 2].astype(int)
+        return (100.0 * ((designs[:, 0] - x[k]) ** 2 + (designs[:, 1] - y[k]) ** 2) + depth[k])[:, None]
+
+    class Bowls(DesignProblem):
+        def __init__(self):
+            variables = (Variable("x", 0.0, 1.0), Variable("y", 0.0, 1.0), Variable("k", 0.0, 39.0, integer=True))
+            super().__init__("bowls", Space(variables), [Quantity("f")])
+
+        def simulate(self, design):
+            return Outcome(bowls(None, design[None, :])[0])
+
+    monkeypatch.setattr(FixedSurrogateSearch, "_predicted", bowls)
+
+    def shortfall(starts, seed):
+        settings = {**QUICK, "starts": starts, "population_size": 10}
+        found = run_search(REGISTRY, Bowls(), RunSettings("fixed-surrogate", 63, seed, settings)).evaluations
+        return min(evaluation.objectives[0] for evaluation in found[60:]) - depth.min()
+
+    shortfalls = [np.mean([shortfall(starts, seed) for seed in range(8)]) for starts in (1, 6)]
+    assert shortfalls[1] < 0.6 * shortfalls[0]
 
 
 def test_several_objectives_are_confirmed_along_the_front_in_batches():

@@ -61,6 +61,12 @@ class FixedSurrogateParameters:
     test: float = parameter(
         0.2, meaning="part of the design on which their errors are found", source=STUDY, minimum=0.0, below=0.5
     )
+    starts: int = parameter(
+        5,
+        meaning="first searches on the surrogates, each from a part of the design of its own; they go on together",
+        source="own choice: one search ends in one combination of the integers",
+        minimum=1,
+    )
     population_size: int = parameter(50, meaning="designs per generation of the search", source="own choice", minimum=2)
     generations: int = parameter(100, meaning="generations of the first search", source="own choice", minimum=1)
     further_generations: int = parameter(
@@ -166,14 +172,23 @@ class FixedSurrogateSearch(SurrogateSearch):
         return self._context.space.to_unit(designs), values.reshape(-1, len(self._responses.quantities))
 
     def _promising(self) -> FloatArray:
-        """The last population (k, d) of a GA or NSGA-II on the surrogates, which goes on with every confirmation."""
-        parameters, begun = self._parameters, len(self._population) > 0
-        best = [evaluation.design for evaluation in best_of(self._record.successes)]
-        first = np.unique(np.vstack([*best, self._population if begun else self._record.designs]), axis=0)
-        generations = parameters.further_generations if begun else parameters.generations
-        evolution = Evolution(parameters.population_size, generations, parameters.minimum_distance)
-        self._population = evolved(self._context.space, self._predicted, first, evolution, self._context.generator)
+        """The last population (k, d) of a GA or NSGA-II on the surrogates, which goes on with every confirmation.
+
+        The first time it is those of several, each begun with another part of the design.
+        """
+        parameters, best = self._parameters, [evaluation.design for evaluation in best_of(self._record.successes)]
+        if len(self._population):
+            self._population = self._evolved(np.vstack([*best, self._population]), parameters.further_generations)
+        else:
+            shuffled = self._context.generator.permutation(self._record.designs)
+            parts = np.array_split(shuffled, min(parameters.starts, len(shuffled)))
+            self._population = np.vstack([self._evolved(part, parameters.generations) for part in parts])
         return self._population
+
+    def _evolved(self, first: FloatArray, generations: int) -> FloatArray:
+        """The last population (k, d) of an evolution on the surrogates that begins with designs (j, d)."""
+        evolution = Evolution(self._parameters.population_size, generations, self._parameters.minimum_distance)
+        return evolved(self._context.space, self._predicted, np.unique(first, axis=0), evolution, self._context.generator)
 
     def _predicted(self, designs: FloatArray) -> FloatArray:
         """The objectives (k, m) that follow from designs (k, d) and what the surrogates predict for them."""
