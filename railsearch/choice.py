@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from railsearch.design_problem import DesignProblem
 from railsearch.errors import InputError
 from railsearch.interfaces import Evaluation, Quantity
-from railsearch.parameters import make_parameters
+from railsearch.parameters import closest, make_parameters
 from railsearch.plugin_manager import Registry
 from railsearch.preferences import StatedPreference, quantities_of, scores
 from railsearch.result import (
@@ -199,8 +199,11 @@ def _quantities(base: DesignProblem, settings: Mapping[str, Any]) -> list[Quanti
         if name in objectives:
             continue
         if name not in metrics:
-            known = ", ".join(dict.fromkeys([*objectives, *metrics]))
-            raise InputError(f"preferences: unknown objective '{name}'; objectives and metrics of this run are {known}")
+            known = list(dict.fromkeys([*objectives, *metrics]))
+            raise InputError(
+                f"preferences: unknown objective '{name}'{closest(name, known)}; objectives and metrics of this run are "
+                f"{', '.join(known)}"
+            )
         found.append(replace(metrics[name], maximised=functions[0].liking == "larger"))
     return found
 

@@ -6,6 +6,7 @@ from typing import Any
 
 from railsearch.errors import InputError
 from railsearch.interfaces import Quantity
+from railsearch.parameters import closest
 
 
 def minimised(values: Mapping[str, Any], quantities: Sequence[Quantity], where: str) -> dict[str, float]:
@@ -16,7 +17,8 @@ def minimised(values: Mapping[str, Any], quantities: Sequence[Quantity], where: 
     signs = {quantity.name: quantity.sign for quantity in quantities}
     for name, value in values.items():
         if name not in signs:
-            raise InputError(f"{where}: unknown objective '{name}'; the objectives are {', '.join(signs)}")
+            hint = closest(name, list(signs))
+            raise InputError(f"{where}: unknown objective '{name}'{hint}; the objectives are {', '.join(signs)}")
         check_finite(value, f"{where}.{name}")
     return {name: signs[name] * float(value) for name, value in values.items()}
 
@@ -34,7 +36,7 @@ def weights_by_name(values: Mapping[str, Any] | None, names: Sequence[str], wher
     """
     for name, value in (values or {}).items():
         if name not in names:
-            raise InputError(f"{where}: unknown '{name}'; there are {', '.join(names)}")
+            raise InputError(f"{where}: unknown '{name}'{closest(name, names)}; there are {', '.join(names)}")
         check_finite(value, f"{where}.{name}")
         if value < 0.0:
             raise InputError(f"{where}.{name}: a weight ≥ 0 is needed, received {value!r}; 0 leaves {name} out")

@@ -223,3 +223,9 @@ def did_you_mean(name: str, known: Sequence[str]) -> str:
     """The end of a message about an unknown name: the closest known one, or all of them."""
     close = difflib.get_close_matches(name, known, n=1)
     return f"; did you mean '{close[0]}'?" if close else f"; allowed are {', '.join(known) or 'none'}"
+
+
+def closest(name: str, known: Sequence[str]) -> str:
+    """The question whether the closest known name was meant, for a message that goes on with all of them; or nothing."""
+    close = difflib.get_close_matches(name, known, n=1)
+    return f", did you mean '{close[0]}'?" if close else ""

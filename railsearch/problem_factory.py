@@ -10,6 +10,7 @@ from railsearch.interfaces import Quantity, Scalariser
 from railsearch.objective_values import minimised, natural
 from railsearch.parameters import amend_parameters, make_parameters
 from railsearch.plugin_manager import Registry
+from railsearch.preferences import PreferenceParameters, quantities_of
 from railsearch.space import FloatArray
 
 GENERAL_SECTIONS = ("worst", "given", "strategy.NAME", "scalariser.NAME")
@@ -59,6 +60,7 @@ def make_problem(registry: Registry, settings: ProblemSettings, where: str = "pa
             f"scalariser {settings.scalariser}: two objectives or more are needed, received {base.objectives[0].name} alone"
         )
     parameters = make_parameters(scalariser.Parameters, settings.scalariser_settings, f"scalariser {settings.scalariser}")
+    _check_metrics(base, settings.scalariser, parameters)
     made = cast(Scalariser, scalariser(parameters, base.objectives, base.worst))
     return ScalarisedProblem(base, settings.scalariser, made)
 
@@ -86,6 +88,22 @@ def given_designs(problem: DesignProblem, given: Sequence[Mapping[str, Any]] = (
 def natural_worst(problem: DesignProblem) -> dict[str, float]:
     """The worst known values of a problem by objective, with their natural sign."""
     return natural(problem.worst, _known_objectives(problem))
+
+
+def _check_metrics(base: DesignProblem, scalariser: str, parameters: object) -> None:
+    """Raise InputError for a preference on a metric that is no objective of the search."""
+    if not isinstance(parameters, PreferenceParameters):
+        return
+    stated = {"preferences": parameters.preferences, "stakeholders": getattr(parameters, "stakeholders", None)}
+    objectives = [quantity.name for quantity in base.objectives]
+    selectable = [quantity.name for quantity in base.available_objectives]
+    for metric in base.metrics:
+        if metric.name in quantities_of(stated) and metric.name not in objectives:
+            more = "; name it with --objectives, or rank" if metric.name in selectable else ": rank"
+            raise InputError(
+                f"{scalariser}.preferences.{metric.name}: {metric.name} is a metric of {base.name}, not one of its "
+                f"objectives ({', '.join(objectives)}){more} the designs of a run by it afterwards with `railsearch choose`"
+            )
 
 
 def _known_objectives(problem: DesignProblem) -> Sequence[Quantity]:

@@ -4,6 +4,7 @@ import dataclasses
 import importlib.metadata
 import math
 import platform
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -15,7 +16,11 @@ from railsearch.interfaces import Evaluation, Quantity
 from railsearch.plugin_manager import Registry
 from railsearch.preferences import StatedPreference, described, scores
 from railsearch.run import RunResult, best, front
+from railsearch.wording import readable
 
+# A search is told to start without a slope when more than half of so many evaluations are alike.
+START = 20
+FEWEST_AT_START = 10
 LIBRARIES = ("railsearch", "numpy", "scipy", "numba", "pymoo", "optuna", "pluggy")
 
 
@@ -49,6 +54,7 @@ def result_document(registry: Registry, problem: DesignProblem, command: RunComm
         "reference": reference and evaluation_document(problem, reference),
         "front": [evaluation_document(problem, evaluation) for evaluation in front(result.evaluations)],
         "improvement": improvement(problem, reference, found),
+        "warnings": [warning] if (warning := flat_start(problem, result.evaluations)) else [],
         "preferences": preference_scores(stated_preferences(problem), problem, {"reference": reference, "best": found}),
         "findings": [dataclasses.asdict(finding) | {"value": _finite(finding.value)} for finding in result.findings],
         "versions": versions(),
@@ -149,6 +155,38 @@ def preference_scores(
             for row, score in zip(rows, scores(preferences, values)[0], strict=True):
                 row["scores"][label] = _finite(float(score))
     return rows
+
+
+def flat_start(problem: DesignProblem, evaluations: Sequence[Evaluation]) -> str:
+    """A warning if more than half of the first evaluations of a scalarised problem have exactly the same scalar, else empty.
+
+    It names the quantities whose scores are clipped there, for at least half of these designs or else for any.
+    """
+    made = [evaluation for evaluation in evaluations[:START] if not evaluation.failed]
+    if problem.simulated is problem or problem.n_obj > 1 or len(made) < FEWEST_AT_START:
+        return ""
+    scalar, count = Counter(float(evaluation.objectives[0]) for evaluation in made).most_common(1)[0]
+    if 2 * count <= len(made):
+        return ""
+    told = (
+        f"{count} of the first {len(made)} evaluations have exactly the same {problem.objectives[0].name}, "
+        f"{readable(scalar)}: there the search has nothing to go by"
+    )
+    names = _clipped(problem, [evaluation for evaluation in made if evaluation.objectives[0] == scalar])
+    remedy = "set extended = true in its preference function, or give it a wider range"
+    return f"{told}. The score of {', '.join(names)} is clipped; {remedy}" if names else told
+
+
+def _clipped(problem: DesignProblem, evaluations: Sequence[Evaluation]) -> list[str]:
+    """The quantities whose scores are clipped, for at least half of the evaluations or else for any."""
+    values = [values_of(problem, evaluation) for evaluation in evaluations]
+    share: dict[str, float] = {}
+    for preference in stated_preferences(problem):
+        name, knots = preference.quantity.name, preference.function.knots
+        inside = [min(knots) <= row[name] <= max(knots) for row in values]
+        clipped = 0.0 if preference.function.extended else 1.0 - float(np.mean(inside))
+        share[name] = max(share.get(name, 0.0), clipped)
+    return [name for name in share if share[name] >= 0.5] or [name for name in share if share[name] > 0.0]
 
 
 def versions() -> dict[str, str]:

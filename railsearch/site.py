@@ -4,6 +4,7 @@ import dataclasses
 import json
 import tomllib
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -83,6 +84,20 @@ def preference_settings(registry: Registry, scalariser: str | None, path: Path |
         which = "no scalariser is named" if scalariser is None else f"scalariser {scalariser} does not take them"
         raise InputError(f"{path}: it has {', '.join(document)}, but {which}; name one that does: {', '.join(able)}")
     return document
+
+
+@contextmanager
+def named_faults(scalariser: str | None, path: Path | None) -> Iterator[None]:
+    """Have errors in stated preferences name the preference file in place of the scalariser that found them."""
+    try:
+        yield
+    except InputError as error:
+        found = str(error).removeprefix(f"{scalariser}.")
+        if path is None or not found.startswith(
+            tuple(field.name for field in dataclasses.fields(GroupPreferenceParameters))
+        ):
+            raise
+        raise InputError(f"{path}: {found}") from None
 
 
 def _worst_table(registry: Registry, problem: str) -> Iterator[str]:

@@ -3,11 +3,13 @@
 import json
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import railsearch as railsearch_package
 from command_line import Answer
 from html_page import Page
 from railsearch.campaign.definition import load_campaign
@@ -18,7 +20,7 @@ from railsearch.errors import InputError
 from railsearch.interfaces import Evaluation
 from railsearch.plugin_manager import Registry, load_plugins
 from railsearch.preferences import Linear
-from railsearch.result import stated_preferences
+from railsearch.result import flat_start, stated_preferences
 from railsearch.run import RunSettings, run_search
 from sample_problems import Sphere, TwoObjectives
 from test_cli import refused, sample_problems
@@ -257,3 +259,72 @@ def test_preferences_in_site_and_campaign_files_are_those_of_a_preference_file(t
     campaign.write_text(general + 'scalarise = "asf"\npreferences = "wishes.toml"\n')
     with pytest.raises(InputError, match="asf does not take them"):
         load_campaign(registry, campaign)
+
+
+NARROW = FILE.replace("worst = 4.0", "worst = 0.01")
+
+
+@pytest.mark.usefixtures("two")
+def test_a_start_without_a_slope_is_told_with_the_remedy(railsearch: Cli, tmp_path: Path) -> None:
+    file, folder = tmp_path / "wishes.toml", tmp_path / "run"
+    file.write_text(NARROW)
+    words = ("--strategy", "random", "--scalarise", "preference-minmax", "--preferences", file)
+    answer = run_of(railsearch, folder, *words)
+    assert answer.code == 0, answer.err
+    (warning,) = [line for line in answer.err.splitlines() if line.startswith("warning: ")]
+    told = "20 of the first 20 evaluations have exactly the same preference-minmax, 100"
+    for part in (told, "left, right", "clipped", "extended = true", "wider range"):
+        assert part in warning
+    page = Page((folder / "report.html").read_text(encoding="utf-8"))
+    assert told in page.text
+    assert json.loads((folder / "result.json").read_text())["warnings"] == [warning.removeprefix("warning: ")]
+
+
+@pytest.mark.usefixtures("two")
+def test_extended_functions_are_not_warned_of(railsearch: Cli, tmp_path: Path) -> None:
+    file, folder = tmp_path / "wishes.toml", tmp_path / "run"
+    file.write_text(NARROW.replace("worst = 0.01", "worst = 0.01\nextended = true"))
+    words = ("--strategy", "random", "--scalarise", "preference-minmax", "--preferences", file)
+    answer = run_of(railsearch, folder, *words)
+    assert answer.code == 0, answer.err
+    assert "warning" not in answer.err
+    assert json.loads((folder / "result.json").read_text())["warnings"] == []
+
+
+def test_only_the_clipped_objective_is_named(registry: Registry) -> None:
+    preferences = {"left": Linear(0.0, 0.001), "right": Linear(0.0, 1000.0)}
+    problem = railsearch_package.problem(
+        "two-spheres", scalariser="preference-minmax", scalariser_settings={"preferences": preferences}
+    )
+    result = run_search(registry, problem, RunSettings("random", 30, 1))
+    assert "The score of left is clipped" in flat_start(problem, result.evaluations)
+    assert flat_start(problem, result.evaluations[:5]) == "", "five designs say little"
+    half = [replace(e, objectives=np.array([float(k % 2)])) for k, e in enumerate(result.evaluations)]
+    assert flat_start(problem, half) == "", "half of them is not more than half"
+
+
+@pytest.mark.usefixtures("two")
+def test_a_preference_on_a_metric_is_for_choosing(railsearch: Cli, tmp_path: Path) -> None:
+    file = tmp_path / "wishes.toml"
+    file.write_text(FILE + '[preferences.comfort]\nfunction = "linear"\nbest = 100.0\nworst = 0.0\n')
+    words = ("--strategy", "random", "--scalarise", "preference-minmax", "--preferences", file)
+    refused(
+        run_of(railsearch, tmp_path / "run", *words),
+        "wishes.toml: preferences.comfort: comfort is a metric of two, not one of its objectives (left, right)",
+        "railsearch choose",
+    )
+
+
+@pytest.mark.usefixtures("two")
+def test_an_unknown_objective_is_named_with_the_file_and_the_closest_one(railsearch: Cli, tmp_path: Path) -> None:
+    file = tmp_path / "wishes.toml"
+    file.write_text(FILE.replace("left", "lefft"))
+    wanted = ("wishes.toml: preferences: unknown objective 'lefft', did you mean 'left'?", "left, right")
+    words = ("--strategy", "random", "--scalarise", "preference-minmax", "--preferences", file)
+    refused(run_of(railsearch, tmp_path / "run", *words), *wanted)
+    assert run_of(railsearch, tmp_path / "run", "--strategy", "random").code == 0
+    refused(railsearch("choose", tmp_path / "run", "--preferences", file), *wanted)
+    campaign = tmp_path / "campaign.toml"
+    general = '[campaign]\nbudget = 20\nrepetitions = 1\nseed = 1\nstrategies = ["random"]\n[[problem]]\nname = "two"\n'
+    campaign.write_text(general + 'scalarise = "preference-minmax"\npreferences = "wishes.toml"\n')
+    refused(railsearch("campaign", campaign, "--dry-run"), *wanted)

@@ -167,7 +167,7 @@ def test_names_may_be_written_with_underscores():
         ({"E_max": {**ON_ENERGY, "function": 3}}, "E_max.function: unknown 3; allowed are linear, piecewise-linear"),
         ({"E_max": {"best": 1.0}}, "E_max.function: must be given; allowed are linear, piecewise-linear"),
         ({"E_max": 3.0}, "E_max: a table is needed"),
-        ({"A_max": ON_FORCE}, ": unknown objective 'A_max'; the objectives are F_max, E_max"),
+        ({"A_max": ON_FORCE}, ": unknown objective 'A_max', did you mean 'F_max'?; the objectives are F_max, E_max"),
         (
             {"E_max": {"function": "monotone-spline", "points": [[0.1, 100], [0.2, 20], [0.3, 50]]}},
             "E_max: monotone-spline: scores must rise or fall with the value all the way, received 100 at 0.1, 20 at 0.2",
@@ -197,7 +197,11 @@ def test_a_bad_preference_is_refused_by_field_and_value(change, message):
             {"preferences": BOTH, "weights": {"F_max": 0, "E_max": 0}},
             "all weights are zero (F_max, E_max)",
         ),
-        (PreferenceMinMax, {"preferences": BOTH, "weights": {"F_mx": 1}}, "weights: unknown 'F_mx'; there are F_max, E_max"),
+        (
+            PreferenceMinMax,
+            {"preferences": BOTH, "weights": {"F_mx": 1}},
+            "weights: unknown 'F_mx', did you mean 'F_max'?; there are",
+        ),
         (PreferenceMinMax, {"preferences": BOTH, "weights": {"F_max": "big"}}, "weights.F_max: a finite number is needed"),
         (
             PreferenceMinMax,

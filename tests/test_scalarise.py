@@ -117,7 +117,11 @@ def test_preparing_a_copy_leaves_the_original_unprepared():
     ("values", "worst", "message"),
     [
         ({}, {"F_max": 6000.0}, "worst value of E_max is not known: sample it with `railsearch sample PROBLEM`"),
-        ({"worst": {"A_max": 1.0}}, None, "asf.worst: unknown objective 'A_max'; the objectives are F_max, E_max"),
+        (
+            {"worst": {"A_max": 1.0}},
+            None,
+            "asf.worst: unknown objective 'A_max', did you mean 'F_max'?; the",
+        ),
         ({"aspiration": {"F_max": "low"}}, None, "asf.aspiration.F_max: a finite number is needed, received 'low'"),
         (
             {"aspiration": {"F_max": 7000.0}},

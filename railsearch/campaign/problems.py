@@ -19,7 +19,7 @@ from railsearch.problem_factory import (
     natural_worst,
 )
 from railsearch.run_identity import all_settings
-from railsearch.site import Site, preference_settings, read_site
+from railsearch.site import Site, named_faults, preference_settings, read_site
 
 
 @dataclass(frozen=True)
@@ -58,13 +58,13 @@ def read_problem(
         registry.entry("problem", table.name)
         site = read_site(folder / table.parameters, registry, table.name) if table.parameters else Site(table.name)
         _check_site_strategies(registry, site, strategies)
-        preferences = preference_settings(
-            registry, table.scalarise, folder / table.preferences if table.preferences else None
-        )
+        file = folder / table.preferences if table.preferences else None
+        preferences = preference_settings(registry, table.scalarise, file)
         settings = _settings(table, site, preferences)
         _check_parts(registry, settings, table.reference_point or {}, where, faults)
         if len(faults.messages) == before:
-            problem = make_problem(registry, settings)
+            with named_faults(table.scalarise, file):
+                problem = make_problem(registry, settings)
             given = (*site.given, *table.given)
             reference_point = _reference_point(problem, table.reference_point or {})
             _check_first_designs(problem, given, where, faults)

@@ -12,7 +12,7 @@ from railsearch.commands.stored_run import stored_run
 from railsearch.commands.tables import preference_scores_table, quantities_table, ranking_table, variables_table
 from railsearch.plugin_manager import load_plugins
 from railsearch.run_directory import RunDirectory
-from railsearch.site import preference_settings, read_toml
+from railsearch.site import named_faults, preference_settings, read_toml
 
 ALONE, GROUP = "preference-minmax", "imap"
 
@@ -45,7 +45,8 @@ def choose(
     settings = preference_settings(registry, name, preferences)
     directory = RunDirectory(folder)
     run = stored_run(registry, directory, storage)
-    choice = ranked(registry, run.problem, run.evaluations, name, settings)
+    with named_faults(name, preferences):
+        choice = ranked(registry, run.problem, run.evaluations, name, settings)
     document = choice_document(choice, top)
     _write_page(directory, choice, preferences)
     if as_json:

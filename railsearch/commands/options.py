@@ -18,7 +18,7 @@ from railsearch.errors import InputError
 from railsearch.plugin_manager import Registry
 from railsearch.problem_factory import ProblemSettings, amended_design, make_problem
 from railsearch.run_directory import write_whole
-from railsearch.site import Site, preference_settings, read_site
+from railsearch.site import Site, named_faults, preference_settings, read_site
 from railsearch.space import FloatArray
 from railsearch.storage import without_password
 
@@ -82,7 +82,8 @@ def asked_problem(
         {**site.scalarisers.get(scalariser or "", {}), **preference_settings(registry, scalariser, preferences)},
         site.worst,
     )
-    return Asked(make_problem(registry, settings, str(parameters or "parameters")), settings, site)
+    with named_faults(scalariser, preferences):
+        return Asked(make_problem(registry, settings, str(parameters or "parameters")), settings, site)
 
 
 def assignments(texts: Sequence[str] | None) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from railsearch.commands.options import messages
 from railsearch.design_problem import DesignProblem
 from railsearch.interfaces import Evaluation
-from railsearch.result import values_of
+from railsearch.result import START, flat_start, values_of
 from railsearch.run import Watch, front
 
 FAILURES_SHOWN = 5
@@ -27,10 +27,15 @@ def run_progress(problem: DesignProblem, budget: int) -> Iterator[Watch]:
     with Progress(*columns, console=messages) as progress:
         task = progress.add_task(problem.name, total=budget, best="–", failed="")
         members: list[Evaluation] = []
+        first: list[Evaluation] = []
         failed = 0
 
         def watch(evaluation: Evaluation) -> None:
             nonlocal members, failed
+            if len(first) < START:
+                first.append(evaluation)
+                if len(first) == min(START, budget) and (warning := flat_start(problem, first)):
+                    progress.console.print(f"warning: {warning}")
             members = front([*members, evaluation])
             failed += evaluation.failed
             if evaluation.failed and failed <= FAILURES_SHOWN:

@@ -25,7 +25,7 @@ import numpy as np
 from railsearch.errors import InputError
 from railsearch.interfaces import Quantity
 from railsearch.objective_values import weights_by_name
-from railsearch.parameters import did_you_mean, make_parameters, parameter
+from railsearch.parameters import closest, did_you_mean, make_parameters, parameter
 from railsearch.preferences.aggregation import AGGREGATIONS
 from railsearch.preferences.functions import Desirability, Linear, MonotoneSpline, PiecewiseLinear, PreferenceFunction
 from railsearch.preferences.physical_programming import GROWTH_STEP, PhysicalProgramming
@@ -201,7 +201,8 @@ def _preferences(
     names = [quantity.name for quantity in quantities]
     for name in tables:
         if name not in names:
-            raise InputError(f"{where}.preferences: unknown objective '{name}'; the objectives are {', '.join(names)}")
+            hint = closest(name, names)
+            raise InputError(f"{where}.preferences: unknown objective '{name}'{hint}; the objectives are {', '.join(names)}")
     checked = weights_by_name(weights, names, f"{where}.weights")
     for name in weights:
         if name not in tables and checked[name] > 0.0:

@@ -44,6 +44,8 @@ def report_page(document: Mapping[str, Any], figures: Mapping[str, Figure]) -> s
         sections.insert(2, section("Front", _front(document)))
     if document["preferences"]:
         sections.insert(1, section("Preferences", preferences_table(document["preferences"])))
+    if document["warnings"]:
+        sections.insert(0, section("Warning", "".join(f"<p>{escaped(warning)}.</p>" for warning in document["warnings"])))
     return page(document["problem"]["label"], _summary(document), sections)
 
 
