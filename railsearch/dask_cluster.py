@@ -9,6 +9,7 @@ from contextlib import suppress
 from typing import Any
 
 from railsearch.errors import InputError
+from railsearch.wording import install_remedy
 
 LOOK_AGAIN = 1.0
 
@@ -136,4 +137,4 @@ def connected(address: str, notify: Callable[[str], None]) -> DaskCluster:
     try:
         return DaskCluster(address, notify=notify)
     except ImportError as error:
-        raise InputError(f"--dask: {error}; install it with `pip install distributed`") from None
+        raise InputError(f"--dask: {error}: {install_remedy('dask')}") from None

@@ -43,6 +43,11 @@ def none_feasible(document: Mapping[str, Any]) -> str:
     )
 
 
+def install_remedy(extra: str) -> str:
+    """How to install an extra of railsearch, for messages about something that is missing."""
+    return f"`.venv/bin/pip install '.[{extra}]'` in a clone, else `pip install 'railsearch[{extra}]'`"
+
+
 def _listed(value: object) -> str:
     return f"({', '.join(map(_listed, value))})" if isinstance(value, list | tuple) else readable(value)
 

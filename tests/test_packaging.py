@@ -1,15 +1,19 @@
 """The wheel and an external plugin, in a fresh environment that has what they declare to need and nothing else."""
 
 import json
+import re
 import shutil
 import subprocess
 import sys
+import tomllib
 import venv
 from importlib.metadata import Distribution, distribution, distributions
 from pathlib import Path
 
 import pytest
 from packaging.requirements import Requirement
+
+from railsearch.wording import install_remedy
 
 ROOT = Path(__file__).parents[1]
 NOT_SOURCES = (".*", "build", "dist", "*.egg-info", "demo-run", "tests", "__pycache__")
@@ -105,3 +109,14 @@ def test_the_external_strategy_passes_the_shipped_conformance_suite(fresh: Path,
 def test_the_external_strategy_is_a_short_text() -> None:
     source = ROOT / "examples" / "external_strategy" / "railsearch_pattern_search.py"
     assert len(source.read_text().splitlines()) < 60
+
+
+def test_every_remedy_for_a_missing_extra_names_one_that_exists() -> None:
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+    sources = [
+        path.read_text() for folder in ("railsearch", "plugins", "problems") for path in (ROOT / folder).rglob("*.py")
+    ]
+    named = {name for text in sources for name in re.findall(r"install_remedy\([\"'](\w+)[\"']\)", text)}
+    assert named == {"coco", "dask", "gp", "postgresql"} <= set(extras)
+    assert not [text for text in sources if re.search(r"pip install (?!'(\.|railsearch)\[\{)", text)]
+    assert install_remedy("gp") == "`.venv/bin/pip install '.[gp]'` in a clone, else `pip install 'railsearch[gp]'`"

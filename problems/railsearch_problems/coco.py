@@ -30,6 +30,7 @@ from railsearch.hookspecs import hookimpl
 from railsearch.interfaces import Host, Outcome, Quantity
 from railsearch.parameters import parameter
 from railsearch.space import FloatArray, Space, Variable
+from railsearch.wording import install_remedy
 
 SECTION = "coco"
 STACKED = re.compile(r"bbob_f(\d+)_i(\d+)_d\d+")
@@ -199,8 +200,8 @@ def _cocoex() -> Any:
         import cocoex
     except ImportError as error:
         raise PluginError(
-            f"the problems of COCO need the package coco-experiment, which cannot be imported here ({error}); install it: "
-            "pip install 'railsearch[coco]' or pip install coco-experiment"
+            f"the problems of COCO need the package coco-experiment, which cannot be imported here ({error}): "
+            f"{install_remedy('coco')}"
         ) from error
     return cocoex
 

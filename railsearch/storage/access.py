@@ -10,6 +10,7 @@ from optuna.exceptions import OptunaError, StorageInternalError
 from sqlalchemy.exc import SQLAlchemyError
 
 from railsearch.errors import StorageError
+from railsearch.wording import install_remedy
 
 Result = TypeVar("Result")
 STORAGE_PATIENCE = 300.0
@@ -47,8 +48,8 @@ def readable(place: str) -> Iterator[None]:
         yield
     except ImportError as error:
         raise StorageError(
-            f"the storage {place} needs a driver that is not installed ({cause(error)}); for PostgreSQL it comes with "
-            "`pip install 'psycopg[binary]'`"
+            f"the storage {place} needs a driver that is not installed ({cause(error)}); for PostgreSQL: "
+            f"{install_remedy('postgresql')}"
         ) from error
     except (SQLAlchemyError, OptunaError, OSError, ValueError) as error:
         raise StorageError(

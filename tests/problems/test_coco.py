@@ -138,7 +138,7 @@ def test_a_problem_is_the_same_in_another_process(suite: str) -> None:
 
 def test_without_the_extra_the_remedy_is_told(monkeypatch: pytest.MonkeyPatch, railsearch: Callable[..., Answer]) -> None:
     monkeypatch.setitem(sys.modules, "cocoex", None)
-    with pytest.raises(PluginError, match=r"need the package coco-experiment, .*pip install 'railsearch\[coco\]'"):
+    with pytest.raises(PluginError, match=r"need the package coco-experiment, .*`\.venv/bin/pip install '\.\[coco\]'`"):
         Bbob()
     answer = railsearch("describe", "bbob")
     assert (answer.code, "coco-experiment" in answer.err) == (2, True)

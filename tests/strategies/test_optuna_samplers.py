@@ -151,7 +151,7 @@ def test_optuna_is_quiet_and_left_as_it_was(capfd):
 def test_without_torch_the_gaussian_process_says_what_to_install(monkeypatch):
     find = importlib.util.find_spec
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "torch" else find(name))
-    with pytest.raises(PluginError, match=r"torch, which is not installed: install railsearch\[gp\]"):
+    with pytest.raises(PluginError, match=r"torch, which is not installed: `\.venv/bin/pip install '\.\[gp\]'`"):
         make_strategy(load_plugins(), Sphere(), RunSettings("optuna-gp", 20, 1))
 
 

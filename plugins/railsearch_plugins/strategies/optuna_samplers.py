@@ -8,6 +8,7 @@ import numpy as np
 from railsearch.hookspecs import Register, hookimpl
 from railsearch.interfaces import Capabilities, NoParameters, parameter
 from railsearch.space import FloatArray
+from railsearch.wording import install_remedy
 from railsearch_plugins.optuna_study import OptunaStrategy
 
 if TYPE_CHECKING:
@@ -90,7 +91,7 @@ class GaussianProcessSearch(OptunaStrategy[GaussianProcessParameters]):
 
     Parameters = GaussianProcessParameters
     capabilities = Capabilities(multi_objective=True, integers=True, constraints=True, batch=True)
-    requires = ("torch", "install railsearch[gp]")
+    requires = ("torch", install_remedy("gp"))
 
     def _sampler(self, seed: int) -> "BaseSampler":
         from optuna.samplers import GPSampler
