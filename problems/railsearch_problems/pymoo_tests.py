@@ -14,7 +14,9 @@ import itertools
 import pkgutil
 import typing
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from functools import cache
+from importlib.metadata import version
 from typing import Any
 
 import numpy as np
@@ -48,7 +50,7 @@ class PymooTests:
     @staticmethod
     def members() -> Sequence[str]:
         """The names that can stand after `pymoo:`."""
-        return sorted(key for key, problem in _classes().items() if not _reason_against(problem))
+        return _usable()
 
     @staticmethod
     def member(name: str) -> PymooTest:
@@ -83,20 +85,7 @@ class PymooTest:
 
     def make(self, host: Host, objectives: Sequence[str], sections: Mapping[str, Any]) -> DesignProblem:
         """The problem. Raises InputError for arguments that pymoo does not accept, and for equality constraints."""
-        chosen = _given(self.problem_class, sections[SECTION])
-        try:
-            inner = self.problem_class(**chosen)
-            made = PymooProblem(self.name, inner)
-            made.simulate(made.space.from_unit(np.full(made.n_var, 0.5)))
-        except Exception as error:
-            # pymoo's problems raise anything for arguments that they cannot take.
-            told = f"{type(error).__name__}: {error}"
-            raise InputError(f"{SECTION}: {self.problem_class.__name__} of pymoo cannot take {chosen}: {told}") from error
-        if inner.n_eq_constr:
-            raise InputError(
-                f"problem '{self.name}': strategies here know inequality constraints only, received "
-                f"{inner.n_eq_constr} equalities; take a problem without them"
-            )
+        made = _evaluable(self.name, self.problem_class, _given(self.problem_class, sections[SECTION]))
         check_own_objectives(made, objectives)
         made.worst.update(_worst(made))
         return made
@@ -134,6 +123,43 @@ class PymooProblem(DesignProblem):
             return best
         stated = _stated(self.inner, "pareto_front")
         return None if stated is None else stated.reshape(-1, self.n_obj)
+
+
+def _evaluable(name: str, problem_class: type[Problem], chosen: Mapping[str, Any]) -> PymooProblem:
+    """A problem that has been evaluated once. Raises InputError for what pymoo cannot do, and for equality constraints."""
+    try:
+        made = PymooProblem(name, problem_class(**chosen))
+        made.simulate(made.space.from_unit(np.full(made.n_var, 0.5)))
+    except Exception as error:
+        # pymoo's problems raise anything for arguments that they cannot take.
+        if chosen:
+            raise InputError(f"{SECTION}: {problem_class.__name__} of pymoo cannot take {chosen}: {_told(error)}") from error
+        raise InputError(f"problem '{name}': pymoo {version('pymoo')} cannot evaluate it: {_told(error)}") from error
+    if made.inner.n_eq_constr:
+        raise InputError(
+            f"problem '{name}': strategies here know inequality constraints only, received {made.inner.n_eq_constr} "
+            "equalities; take a problem without them"
+        )
+    return made
+
+
+def _told(error: Exception) -> str:
+    """What an error says; pymoo's own ones have the words first and then what caused them."""
+    if type(error) is Exception and error.args:
+        return str(error.args[0])
+    return f"{type(error).__name__}: {error}"
+
+
+@cache
+def _usable() -> Sequence[str]:
+    """The names of the problems that can be made as they are."""
+    names = []
+    for key, problem_class in _classes().items():
+        if not _reason_against(problem_class):
+            with suppress(InputError), np.errstate(all="ignore"):
+                _evaluable(key, problem_class, _given(problem_class, _parameters(problem_class)()))
+                names.append(key)
+    return sorted(names)
 
 
 def _stated(inner: Problem, what: str) -> FloatArray | None:

@@ -4,6 +4,7 @@ import pickle
 import urllib.request
 from collections.abc import Callable
 from functools import cache
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +35,7 @@ def every() -> dict[str, PymooProblem]:
     """All problems as they are without settings, by name, their fronts known."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(urllib.request, "urlretrieve", lambda *arguments: DOWNLOADS.append(arguments))
-        problems = {name: made(name) for name in sorted(set(PymooTests.members()) - BROKEN - EQUALITIES)}
+        problems = {name: made(name) for name in PymooTests.members()}
         for problem in problems.values():
             problem.pareto_front()
     return problems
@@ -178,12 +179,26 @@ def test_names_that_are_unknown_or_need_more_are_refused(name: str, message: str
         ("zdt1", {"n_var": 0}, "pymoo: ZDT1 of pymoo cannot take {'n_var': 0}"),
         ("wfg1", {"n_obj": 20}, "pymoo: WFG1 of pymoo cannot take"),
         ("dascmop1", {"difficulty": 99}, "DASCMOP1 of pymoo cannot take {'difficulty': 99}"),
-        ("multiobjectiveknapsack", {}, "cannot take {}: TypeError: .*missing"),
+        ("multiobjectiveknapsack", {}, "cannot evaluate it: TypeError: .*missing"),
     ],
 )
 def test_what_pymoo_cannot_take_is_refused(name: str, choices: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
         made(name, **choices)
+
+
+def test_a_problem_that_pymoo_cannot_evaluate_is_named_with_the_reason() -> None:
+    with pytest.raises(InputError) as refused:
+        made("clutch")
+    told = str(refused.value)
+    assert told.startswith(f"problem 'pymoo:clutch': pymoo {version('pymoo')} cannot evaluate it: Problem Error: G can not")
+    assert "('" not in told
+
+
+@together
+def test_every_listed_name_can_be_made() -> None:
+    assert set(PymooTests.members()) == set(every())
+    assert not (BROKEN | EQUALITIES) & set(PymooTests.members())
 
 
 def test_the_objectives_are_the_problem_s_own() -> None:
