@@ -80,3 +80,12 @@ def test_designs_are_marked_on_every_curve_with_their_scores() -> None:
         "best",
         "resident",
     ]
+
+
+def test_stakeholders_with_the_same_function_share_a_curve() -> None:
+    same = Linear(8500.0, 12500.0)
+    stated = [StatedPreference(COST, same, weight, who) for who, weight in (("manager", 2.0), ("resident", 1.0))]
+    (axes,) = preference_figure([*stated, StatedPreference(COST, Linear(9000.0, 12000.0), 1.0, "state")], {}).axes
+    curves = {line.get_label() for line in axes.lines if len(line.get_xdata()) > 2}
+    assert curves == {"manager, resident", "state"}
+    assert axes.get_title("left").splitlines()[:2] == ["manager: linear, weight 2", "resident: linear, weight 1"]

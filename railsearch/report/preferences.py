@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from railsearch.preferences import StatedPreference
+from railsearch.preferences.functions import PreferenceFunction
 from railsearch.space import FloatArray
 from railsearch.wording import quantity_label, readable
 
@@ -60,14 +61,14 @@ def _draw(axes: Axes, preferences: Sequence[StatedPreference], marks: Mapping[st
     line = np.union1d(np.linspace(shown.min() - room, shown.max() + room, POINTS), knots)
     for knot in knots:
         axes.axvline(knot, color="#aaaaaa", lw=0.8, ls=":", zorder=1)
-    looks = zip(cycle(CURVES), cycle(DASHES), preferences, strict=False)
-    for colour, dashes, preference in looks:
-        score, who = preference.function.score, preference.stakeholder or "preference"
+    looks = zip(cycle(CURVES), cycle(DASHES), _by_function(preferences), strict=False)
+    for colour, dashes, (function, who) in looks:
+        score = function.score
         axes.plot(line, score(line), color=colour, ls=dashes, lw=1.6, label=who, zorder=3)
         inside = others[(others >= line[0]) & (others <= line[-1])]
         if inside.size:
             axes.scatter(inside, score(inside), s=14, color=OTHERS, linewidths=0, zorder=4, label="other designs")
-        _mark(axes, preference, marks)
+        _mark(axes, function, marks)
     _name_ranges(axes, preferences, line)
     quantity = preferences[0].quantity
     axes.set_title("\n".join(map(_title, preferences)), loc="left", fontsize=9)
@@ -78,15 +79,29 @@ def _draw(axes: Axes, preferences: Sequence[StatedPreference], marks: Mapping[st
     axes.spines[["top", "right"]].set_visible(False)
 
 
+def _by_function(preferences: Sequence[StatedPreference]) -> list[tuple[PreferenceFunction, str]]:
+    """The different functions, each with the names of the stakeholders who have it: their curves are one."""
+    found: list[tuple[PreferenceFunction, str]] = []
+    for preference in preferences:
+        who = preference.stakeholder or "preference"
+        # Functions made in Python may hold lists, which have no hash.
+        place = next((place for place, (function, _) in enumerate(found) if function == preference.function), None)
+        if place is None:
+            found.append((preference.function, who))
+        else:
+            found[place] = (preference.function, f"{found[place][1]}, {who}")
+    return found
+
+
 def _title(preference: StatedPreference) -> str:
     who = f"{preference.stakeholder}: " if preference.stakeholder else ""
     return f"{who}{preference.function.function}, weight {preference.weight:.3g}"
 
 
-def _mark(axes: Axes, preference: StatedPreference, marks: Mapping[str, float]) -> None:
+def _mark(axes: Axes, function: PreferenceFunction, marks: Mapping[str, float]) -> None:
     """Mark labelled values on a curve, each with its score."""
     for (colour, marker, size), (label, value) in zip(MARKS, marks.items(), strict=False):
-        (score,) = preference.function.score(np.array([value]))
+        (score,) = function.score(np.array([value]))
         axes.scatter([value], [score], s=size, color=colour, marker=marker, linewidths=0, zorder=6, label=label)
         axes.annotate(
             readable(float(round(score, 1))),
@@ -102,7 +117,7 @@ def _mark(axes: Axes, preference: StatedPreference, marks: Mapping[str, float]) 
 
 def _name_ranges(axes: Axes, preferences: Sequence[StatedPreference], line: FloatArray) -> None:
     """Write the names of the ranges between the knots of a class function, where there is one alone."""
-    (function, *others) = [preference.function for preference in preferences]
+    ((function, _), *others) = _by_function(preferences)
     if others or not function.ranges:
         return
     place = axes.get_xaxis_transform()
