@@ -1,3 +1,4 @@
+import io
 import json
 import math
 import re
@@ -5,16 +6,21 @@ import subprocess
 import sys
 import tomllib
 import types
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from rich.console import Console
+from rich.table import Table
 
 from command_line import Answer
+from railsearch.commands import progress, tables
 from railsearch.hookspecs import hookimpl
-from sample_problems import Troubled, TwoObjectives
+from railsearch.interfaces import Evaluation, Quantity
+from sample_problems import Sphere, Troubled, TwoObjectives
 
 Cli = Callable[..., Answer]
 REFERENCE = {"xr1": 1120.0, "xr2": 1120.0, "xr3": 1120.0, "xn": 8, "xs1": 6, "xs2": 6, "xs3": 4, "xl": 0}
@@ -87,7 +93,10 @@ def test_simulate_takes_the_track_models_own_parameters(railsearch: Cli, tmp_pat
         (("simulate", "level-crossing", "--set", "rail.aera=1"), ("'aera'", "did you mean 'area'")),
         (("simulate", "level-crossing", "--histories", "x.csv"), ("--histories", ".npz")),
         (("list", "tracks"), ("KIND", "track-model", "'tracks'")),
-        (("describe", "nothing"), ("unknown plugin 'nothing'",)),
+        (("describe", "nothing"), ("unknown plugin 'nothing'; `railsearch list` has all names",)),
+        (("describe", "dycor"), ("unknown plugin 'dycor', did you mean 'dycors'?", "railsearch list")),
+        (("describe", "physical-programming"), ("a preference function", "docs/preferences.md")),
+        (("describe", "sklearn.svm.SVR"), ("a regressor of scikit-learn", "docs/strategies.md")),
         (("sample", "level-crossing", "--seed", "-1"), ("seed", "-1")),
         (("show", "."), ("holds no run",)),
     ],
@@ -113,6 +122,8 @@ def test_bad_input_ends_with_code_2_and_names_field_and_value(
         (("--objectives", "F_max", "--seed", "-3"), ("seed", "-3")),
         (("--objectives", "F_max", "--timeout", "0"), ("timeout", "0")),
         (("--objectives", "F_max", "--batch", "0"), ("batch", "0")),
+        (("--objectives", "F_max", "--set", "rail.area=1"), ("rail.area", "--parameters", "railsearch init level-crossing")),
+        (("--objectives", "F_max", "--set", "speed=1"), ("'speed'", "--parameters", "railsearch init level-crossing")),
         (("--scalarise", "nope", "--objectives", "F_max"), ("unknown scalariser 'nope'",)),
         (("--objectives", "F_max", "--storage", "nonsense"), ("--storage", "nonsense")),
         (("--objectives", "F_max", "--out", "/dev/null/run"), ("cannot be written", "Not a directory")),
@@ -273,6 +284,10 @@ def test_two_objectives_give_a_front(railsearch: Cli, tmp_path: Path, install: C
     assert "front of" in answer.out
     document = json.loads((tmp_path / "result.json").read_text())
     assert len(document["front"]) > 2
+    assert "of its" not in answer.out, "all are listed"
+    table = tables.result_tables({**document, "front": (3 * document["front"])[:24]})[-1]
+    assert isinstance(table, Table)
+    assert (table.title, table.row_count) == ("front: 12 of its 24 designs, all are in result.json", 12)
     assert document["reference"]["metrics"]["comfort"] > 0, "a maximised quantity is shown with its natural sign"
 
 
@@ -426,3 +441,34 @@ def test_a_reference_that_fails_leaves_no_record_of_a_run_that_needs_it(
     refused(railsearch(*words), "its evaluation failed", "give the scalariser its aspiration values")
     assert not (tmp_path / "run.json").exists()
     assert not (tmp_path / "study.db").exists()
+
+
+def test_a_narrow_terminal_keeps_the_bar_and_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    console = Console(width=80, force_terminal=True, record=True, file=io.StringIO())
+    monkeypatch.setattr(progress, "messages", console)
+    problem = Sphere()
+    problem.objectives = tuple(Quantity(f"a_long_name_of_an_objective_{k}", "N·m") for k in range(1))
+    metrics = {f"another_long_name_of_a_metric_{k}": 1234.5 for k in range(3)}
+    problem.metrics = tuple(Quantity(name, "N·m") for name in metrics)
+    base = Sphere()
+    base.objectives = problem.metrics
+    monkeypatch.setattr(Sphere, "simulated", property(lambda self: base))
+    with progress.run_progress(problem, 20) as watch:
+        for number in range(5):
+            watch(Evaluation(number, np.zeros(4), np.array([1.0]), np.empty(0), metrics, "initial"))
+    last = console.export_text().rstrip()[-80:]
+    assert re.match(r"━.* +5/20 [\d:-]+ left, best a_long_name_of_an_objective_0 1 N·m, .*…$", last)
+
+
+def test_a_warning_of_a_library_is_told_once_as_a_plain_line(capsys: pytest.CaptureFixture[str]) -> None:
+    with progress.plain_warnings():
+        for number in range(10):
+            warnings.warn_explicit(
+                f"failed to converge after {number} iterations,\n  see there", UserWarning, "x.py", number
+            )
+        warnings.warn_explicit("something else", UserWarning, "x.py", 1)
+    lines = capsys.readouterr().err.splitlines()
+    assert lines == [
+        "warning: failed to converge after 0 iterations, see there (told once)",
+        "warning: something else (told once)",
+    ]

@@ -15,8 +15,9 @@ from railsearch.commands.options import (
     write_template,
 )
 from railsearch.errors import InputError, PluginError
-from railsearch.parameters import Description, describe_parameters
+from railsearch.parameters import Description, closest, describe_parameters
 from railsearch.plugin_manager import KINDS, Entry, Registry, load_plugins
+from railsearch.preferences import FUNCTIONS
 from railsearch.problem_factory import ProblemSettings, make_problem
 from railsearch.site import site_template
 from railsearch.wording import readable
@@ -48,8 +49,7 @@ def describe(name: Name, as_json: AsJson = False) -> None:
     registry = load_plugins()
     entries = registry.called(name)
     if not entries:
-        known = ", ".join(sorted({entry.name for entry in registry.entries()}))
-        raise PluginError(f"unknown plugin '{name}': there are {known}")
+        raise PluginError(_unknown(registry, name))
     documents = [_description(registry, entry) for entry in entries]
     if as_json:
         print_json(documents)
@@ -66,6 +66,16 @@ def init(
     write_template(out, site_template(load_plugins(), name))
 
 
+def _unknown(registry: Registry, name: str) -> str:
+    """What is said of a name that no plugin has."""
+    if name.replace("_", "-") in FUNCTIONS:
+        return f"'{name}' is no plugin but a preference function; docs/preferences.md has all of them"
+    if name.startswith("sklearn."):
+        return f"'{name}' is no plugin but, where it is a regressor of scikit-learn, a surrogate; see docs/strategies.md"
+    hint = closest(name, sorted({entry.name for entry in registry.entries()}))
+    return f"unknown plugin '{name}'{hint}; `railsearch list` has all names"
+
+
 def _entry_document(entry: Entry) -> dict[str, Any]:
     document = {"kind": entry.kind, "name": entry.name, "summary": entry.summary}
     return document | dataclasses.asdict(entry.provenance)
@@ -76,13 +86,8 @@ def _description(registry: Registry, entry: Entry) -> dict[str, Any]:
     if entry.members:
         return document | {"members": list(entry.members), "parameters": []}
     if entry.kind == "problem":
-        problem = make_problem(registry, ProblemSettings(entry.name))
         sections = entry.plugin.sections(registry).items()
-        document["variables"] = [dataclasses.asdict(variable) for variable in problem.space.variables]
-        document["reference"] = None if problem.reference is None else problem.space.named(problem.reference)
-        available = entry.plugin.available_objectives or problem.objectives
-        document["objectives"] = [dataclasses.asdict(quantity) for quantity in available]
-        document["metrics"] = [dataclasses.asdict(quantity) for quantity in problem.metrics]
+        document |= _made(registry, entry)
         parameters = [d for section, start in sections for d in describe_parameters(start, section + ".")]
     elif entry.kind == "command":
         parameters = []
@@ -96,12 +101,29 @@ def _description(registry: Registry, entry: Entry) -> dict[str, Any]:
     return document | {"parameters": [dataclasses.asdict(description) for description in parameters]}
 
 
+def _made(registry: Registry, entry: Entry) -> dict[str, Any]:
+    """Variables, reference design and quantities of a problem; why not, where something is missing that it needs."""
+    try:
+        problem = make_problem(registry, ProblemSettings(entry.name))
+    except PluginError as error:
+        return {"unavailable": str(error)}
+    available = entry.plugin.available_objectives or problem.objectives
+    return {
+        "variables": [dataclasses.asdict(variable) for variable in problem.space.variables],
+        "reference": None if problem.reference is None else problem.space.named(problem.reference),
+        "objectives": [dataclasses.asdict(quantity) for quantity in available],
+        "metrics": [dataclasses.asdict(quantity) for quantity in problem.metrics],
+    }
+
+
 def _print_description(document: dict[str, Any]) -> None:
     console = results()
     console.rule(f"{document['kind']} {document['name']}", align="left")
     console.print(
         f"{document['documentation']}\n\nfrom {document['distribution']} {document['version']} ({document['module']})\n"
     )
+    if "unavailable" in document:
+        console.print(f"it cannot be made here: {document['unavailable']}\n", soft_wrap=True)
     if "members" in document:
         console.print(f"in place of NAME: {', '.join(document['members'])}\n")
     for title in ("variables", "objectives", "metrics", "histories"):

@@ -1,9 +1,12 @@
 """The live progress bar of a search: evaluations, best so far, failures, time left."""
 
+import re
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Column
 
 from railsearch.commands.options import messages
 from railsearch.design_problem import DesignProblem
@@ -12,6 +15,7 @@ from railsearch.result import START, flat_start, values_of
 from railsearch.run import Watch, front
 
 FAILURES_SHOWN = 5
+NUMBER = re.compile(r"[-+]?\d[\d.]*(?:e[-+]?\d+)?")
 
 
 @contextmanager
@@ -20,11 +24,12 @@ def run_progress(problem: DesignProblem, budget: int) -> Iterator[Watch]:
     columns = (
         BarColumn(bar_width=10),
         MofNCompleteColumn(),
-        TextColumn("best {task.fields[best]}{task.fields[failed]},"),
         TimeRemainingColumn(),
-        TextColumn("left"),
+        TextColumn("left{task.fields[failed]}, best"),
+        # What a narrow terminal has no room for is the end of this column.
+        TextColumn("{task.fields[best]}", table_column=Column(ratio=1, no_wrap=True, overflow="ellipsis")),
     )
-    with Progress(*columns, console=messages) as progress:
+    with Progress(*columns, console=messages, expand=True) as progress:
         task = progress.add_task(problem.name, total=budget, best="–", failed="")
         members: list[Evaluation] = []
         first: list[Evaluation] = []
@@ -45,6 +50,23 @@ def run_progress(problem: DesignProblem, budget: int) -> Iterator[Watch]:
             )
 
         yield watch
+
+
+@contextmanager
+def plain_warnings() -> Iterator[None]:
+    """Show what libraries warn of as one plain line each, once however often it is repeated with other numbers."""
+    told: set[str] = set()
+
+    def show(message: Warning | str, *details: object, **more: object) -> None:
+        text = " ".join(str(message).split())
+        kind = NUMBER.sub("", text)
+        if kind not in told:
+            told.add(kind)
+            messages.print(f"warning: {text} (told once)")
+
+    with warnings.catch_warnings():
+        warnings.showwarning = show
+        yield
 
 
 def best_so_far(problem: DesignProblem, members: list[Evaluation]) -> str:

@@ -26,12 +26,13 @@ from railsearch.commands.options import (
     print_json,
     results,
 )
-from railsearch.commands.progress import run_progress
+from railsearch.commands.progress import plain_warnings, run_progress
 from railsearch.commands.stored_run import record_url, stored_document, stored_run, study_of
 from railsearch.commands.tables import result_tables, sentence
 from railsearch.dask_cluster import connected
 from railsearch.design_problem import DesignProblem
 from railsearch.errors import InputError, StorageError
+from railsearch.parameters import describe_parameters
 from railsearch.plugin_manager import Registry, load_plugins
 from railsearch.problem_factory import given_designs
 from railsearch.result import RunCommand, result_document
@@ -167,8 +168,24 @@ def _seed(seed: int | None, out: Path | None) -> int:
 
 
 def _strategy_settings(registry: Registry, asked: Asked, strategy: str, assigned: list[str] | None) -> dict[str, Any]:
-    settings = {**asked.site.strategies.get(strategy, {}), **assignments(assigned)}
+    changed = assignments(assigned)
+    _check_assigned(registry, asked, strategy, changed)
+    settings = {**asked.site.strategies.get(strategy, {}), **changed}
     return all_settings(registry, "strategy", strategy, settings)
+
+
+def _check_assigned(registry: Registry, asked: Asked, strategy: str, changed: dict[str, Any]) -> None:
+    """Raise InputError for an assignment to a setting of the problem in place of one of the strategy."""
+    name = asked.settings.name
+    sections = registry.get("problem", name).sections(registry).items()
+    known = {row.name for section, start in sections for row in describe_parameters(start, f"{section}.")}
+    own = {row.name for row in describe_parameters(registry.get("strategy", strategy).Parameters())}
+    for assigned in changed:
+        if assigned not in own and any(assigned == full or full.endswith(f".{assigned}") for full in known):
+            raise InputError(
+                f"--set: '{assigned}' is a setting of the problem {name}, not of strategy {strategy}; it comes from a file: "
+                f"`railsearch init {name}` writes one, --parameters takes it"
+            )
 
 
 def _claimed_record(url: str, study: StudyDescription, space: Space) -> RunStorage:
@@ -202,7 +219,7 @@ def _searched(
         messages.print(f"continuing: {stored} of {limit} evaluations are in {folder.folder}")
     messages.print(f"{problem.label}, strategy {settings.strategy}, budget {settings.budget}, seed {settings.seed}")
     try:
-        with run_progress(problem, limit) as watch:
+        with run_progress(problem, limit) as watch, plain_warnings():
             return run_search(registry, problem, settings, given, record, watch, simulating)
     except InputError:
         # A scalariser may turn out not to suit the problem once the reference design is known: the mended run is another.

@@ -87,10 +87,12 @@ def ranking_table(found: dict[str, Any]) -> Table:
 def _front(found: dict[str, Any]) -> Table:
     names = [quantity_label(q["name"], q["unit"]) for q in found["problem"]["objectives"]]
     variables = [variable["name"] for variable in found["problem"]["variables"]]
-    table = Table("evaluation", *names, *variables, box=None, pad_edge=False, title="front", title_justify="left")
     members = sorted(found["front"], key=lambda member: next(iter(member["objectives"].values())))
-    step = max(1, -(-len(members) // FRONT_ROWS))
-    for member in members[::step]:
+    listed = members[:: max(1, -(-len(members) // FRONT_ROWS))]
+    fewer = len(listed) < len(members)
+    title = f"front: {len(listed)} of its {len(members)} designs, all are in result.json" if fewer else "front"
+    table = Table("evaluation", *names, *variables, box=None, pad_edge=False, title=title, title_justify="left")
+    for member in listed:
         values = [*member["objectives"].values(), *member["design"].values()]
         table.add_row(str(member["number"]), *(readable(value) for value in values))
     return table
