@@ -39,6 +39,7 @@ from railsearch.commands.options import (
     results,
     write_template,
 )
+from railsearch.commands.progress import plain_warnings
 from railsearch.dask_cluster import connected
 from railsearch.design_problem import DesignProblem
 from railsearch.errors import CampaignError, InputError
@@ -193,11 +194,14 @@ def _carried_out(prepared: _Prepared, url: str, dask: str | None, workers: int, 
         return ""
     if before.evaluations:
         messages.print(f"continuing: {before.evaluations} evaluations and {before.complete} complete cells are recorded")
+    cells, evaluations = len(prepared.tasks), sum(task.evaluations for task in prepared.tasks)
+    messages.print(f"{cells} cell{'s' * (cells > 1)}, {evaluations} evaluations")
     unfinished = [task for task in prepared.tasks if not is_complete(task, stored)]
     places = _places(prepared.registry, dask, min(workers, len(unfinished)))
     with (
         closing(Storage(url, patience, claims_of(url))) as store,
         campaign_progress(prepared.problems, prepared.tasks, before) as watcher,
+        plain_warnings(),
     ):
         coordinator = Coordinator(store, unfinished, prepared.campaign.timeout, batch_workers, watcher)
         # A batch system ends a job with SIGTERM: it is answered like Ctrl-C.

@@ -34,6 +34,7 @@ def test_a_dry_run_shows_cells_and_cost_and_leaves_nothing_behind(railsearch: Cl
     assert answer.code == 0, answer.err
     assert re.search(r"journalled +dycors +2 +0 +50 +0\.01", answer.out)
     assert "4 cells of 25 evaluations, 0 complete and 0 evaluations recorded" in answer.out
+    assert "some 5 to 100 ms per evaluation of one with a surrogate" in " ".join(answer.out.split())
     assert len(trial.calls) == 1
     assert not (tmp_path / "out").exists()
 
@@ -49,6 +50,14 @@ def test_a_campaign_leaves_report_figures_statistics_and_table(finished: tuple[T
     assert (found["format"], found["status"], found["complete"]) == (FORMAT, "complete", 8)
     words = re.sub(r"<[^>]*>", "", html.unescape((out / "report.html").read_text()))
     assert found["conclusion"] in words
+
+
+def test_a_campaign_says_at_once_what_it_will_do(railsearch: Cli, tmp_path: Path) -> None:
+    trial = Trial(tmp_path, strategies=("random",), repetitions=1)
+    answer = railsearch("campaign", trial.file(), "--workers", 2, "--out", tmp_path)
+    assert answer.code == 0, answer.err
+    assert answer.err.splitlines()[0] == "1 cell, 25 evaluations"
+    assert railsearch("campaign", trial.file(), "--out", tmp_path).err.startswith("complete: all 25 evaluations")
 
 
 def test_the_same_command_again_evaluates_nothing_and_writes_the_same(railsearch: Cli, finished: tuple[Trial, Path]) -> None:
