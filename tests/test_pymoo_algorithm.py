@@ -10,6 +10,7 @@ from railsearch.errors import CapabilityError, InputError, PluginError
 from railsearch.interfaces import Outcome, Quantity
 from railsearch.plugin_manager import load_plugins
 from railsearch.run import RunSettings, run_search
+from railsearch_plugins.strategies.dycors import DynamicCoordinateSearch
 from registered_strategies import SMALL_SETTINGS, every_strategy, small_budget
 from sample_problems import Sphere, Troubled, TwoObjectives
 
@@ -47,8 +48,6 @@ def test_a_termination_of_ones_own_may_be_longer_or_shorter_than_the_budget(term
 
 
 def test_a_strategy_class_is_as_good_as_a_name():
-    from railsearch_plugins.strategies.dycors import DynamicCoordinateSearch
-
     found = [
         minimize(Sphere(), railsearch.algorithm(dycors, 30), seed=1).F for dycors in ("dycors", DynamicCoordinateSearch)
     ]
@@ -71,7 +70,15 @@ def test_a_pymoo_problem_of_integers_is_searched_in_whole_numbers():
             assert x.dtype.kind == "i"
             out["F"] = ((x - np.array([1, -2, 3])) ** 2).sum(axis=1)
 
-    result = minimize(Steps(), railsearch.algorithm("dycors", 40), seed=1)
+    told = []
+
+    class Watched(DynamicCoordinateSearch):
+        def tell(self, evaluations):
+            told.extend(evaluation.design for evaluation in evaluations)
+            super().tell(evaluations)
+
+    result = minimize(Steps(), railsearch.algorithm(Watched, 40), seed=1)
+    assert np.array_equal(told, np.round(told))
     assert result.F[0] == 0.0
     assert result.X.tolist() == [1, -2, 3]
 
