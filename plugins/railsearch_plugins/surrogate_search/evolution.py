@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from railsearch.pymoo_generations import Rounding
 from railsearch.space import FloatArray, Space
 
 Objectives = Callable[[FloatArray], FloatArray]
@@ -83,15 +84,3 @@ def _algorithm(space: Space, n_objectives: int, first: FloatArray, evolution: Ev
         repair=Rounding(space),
         output=None,
     )
-
-
-class Rounding:
-    """pymoo's repair: designs brought inside the bounds, integers rounded."""
-
-    def __init__(self, space: Space) -> None:
-        self._space = space
-
-    def __call__(self, problem: Any, population: Any, **context: Any) -> Any:
-        """The population, repaired in place."""
-        population.set("X", self._space.rounded(population.get("X")))
-        return population
