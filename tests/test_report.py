@@ -170,9 +170,11 @@ def test_a_caption_explains_only_what_is_drawn() -> None:
 
 @pytest.mark.parametrize("objectives", [1, 2])
 @pytest.mark.filterwarnings("error")
-def test_a_history_without_marks_has_no_legend(objectives: int) -> None:
+def test_a_history_of_failures_has_no_legend_without_entries(objectives: int) -> None:
     failed = [replace(e, objectives=np.full(objectives, np.nan), reason="no") for e in HISTORY]
-    history_figure(make_problem_with(objectives), failed)
+    figure = history_figure(make_problem_with(objectives), failed)
+    legends = [axes.get_legend() for axes in figure.axes if axes.get_legend() is not None]
+    assert all(legend.get_texts() for legend in legends)
 
 
 def test_a_run_without_a_feasible_design_says_so_at_once(railsearch: Callable[..., Answer], tmp_path: Path) -> None:
