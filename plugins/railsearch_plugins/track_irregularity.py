@@ -17,7 +17,6 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
 from railsearch.errors import InputError
-from railsearch.parameters import did_you_mean
 from railsearch.seeding import checked_seed
 from railsearch_plugins.dynamics.irregularity import (
     PeriodicProfile,
@@ -132,7 +131,7 @@ def spectrum_named(name: str) -> Spectrum:
     module_name, separator, attribute = name.partition(":")
     if not separator:
         raise InputError(
-            f"irregularity spectrum: unknown '{name}'{did_you_mean(name, list(SPECTRA))}; there are {', '.join(SPECTRA)}, "
+            f"irregularity spectrum: unknown '{name}'; there are {', '.join(SPECTRA)}, "
             "and any Spectrum of a module as 'module:NAME'"
         )
     try:

@@ -62,6 +62,7 @@ def test_waves_are_those_between_the_longest_and_the_shortest():
     assert PERIOD / ORDER[0] == LONGEST
     assert PERIOD / ORDER[-1] == SHORTEST
     np.testing.assert_array_equal(wave_orders(0.3, 0.1, 0.3), [1, 2, 3])  # 0.3/0.1 is just below 3
+    np.testing.assert_array_equal(wave_orders(3 * 0.1, 0.07, 0.1), [3, 4])  # 3 · 0.1/0.1 is just above 3
     np.testing.assert_array_equal(wave_orders(10.0, 3.0, 9.0), [2, 3])
 
 
