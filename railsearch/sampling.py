@@ -11,12 +11,16 @@
 A symmetric design holds with every point u its mirror image 1 − u (Ye, Li and Sudjianto 2000).
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
-from railsearch.distributions import RandomVector
 from railsearch.errors import InputError
 from railsearch.space import FloatArray, Space
+
+if TYPE_CHECKING:  # half a second of scipy that only those who have random vectors need
+    from railsearch.distributions import RandomVector
 
 RANK_TOLERANCE = 1e-6
 """Singular values of [U 1] below this fraction of the largest count as zero: such points determine no linear tail."""
@@ -45,7 +49,7 @@ def symmetric_latin_hypercube(n_points: int, dimension: int, generator: np.rando
     return (levels + 0.5) / max(n_points, 1)
 
 
-def latin_hypercube(vector: RandomVector, n_points: int, generator: np.random.Generator) -> FloatArray:
+def latin_hypercube(vector: "RandomVector", n_points: int, generator: np.random.Generator) -> FloatArray:
     """Draw a Latin hypercube X (n, d) of a random vector: of every input, one value in each of n equally likely intervals.
 
     X = F⁻¹((l + u)/n) with random permutations l and u uniform in (0, 1). Raises InputError for a negative number of points.
@@ -56,7 +60,7 @@ def latin_hypercube(vector: RandomVector, n_points: int, generator: np.random.Ge
     return vector.from_uniform(_inside_cube((levels + generator.random(levels.shape)) / max(n_points, 1)))
 
 
-def sobol(vector: RandomVector, n_points: int, generator: np.random.Generator) -> FloatArray:
+def sobol(vector: "RandomVector", n_points: int, generator: np.random.Generator) -> FloatArray:
     """Draw the first n points X (n, d) of a scrambled Sobol' sequence in the space of a random vector.
 
     They are balanced best if n is a power of two. Raises InputError for a negative number of points.
@@ -71,7 +75,7 @@ def sobol(vector: RandomVector, n_points: int, generator: np.random.Generator) -
     return vector.from_uniform(_inside_cube(points))
 
 
-def random_points(vector: RandomVector, n_points: int, generator: np.random.Generator) -> FloatArray:
+def random_points(vector: "RandomVector", n_points: int, generator: np.random.Generator) -> FloatArray:
     """Draw independent points X (n, d) of a random vector. Raises InputError for a negative number of points."""
     _check_size(n_points, vector.dimension)
     return vector.from_uniform(_inside_cube(generator.random((n_points, vector.dimension))))

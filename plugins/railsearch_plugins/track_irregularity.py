@@ -1,6 +1,6 @@
 """Irregular tracks for the track models: spectra by name, seeded profiles, measured profiles, fade-in.
 
-A profile is called with positions x (t,) in m and gives R (3, t): height r in m, positive upward, dr/dx and d²r/dx² in
+A profile is called with positions x (…) in m and gives R (3, …): height r in m, positive upward, dr/dx and d²r/dx² in
 1/m, all of one twice differentiable function. The mathematics and the notation are in `dynamics.irregularity`.
 """
 
@@ -64,7 +64,7 @@ class Profile(Protocol):
     """The unloaded rail."""
 
     def __call__(self, positions: ArrayLike, /) -> FloatArray:
-        """R (3, t) at `positions` (t,) in m. Raises InputError where the profile does not cover them."""
+        """R (3, …) at `positions` (…) in m. Raises InputError where the profile does not cover them."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ class SeededProfile:
     nodes: PeriodicProfile
 
     def __call__(self, positions: ArrayLike, /) -> FloatArray:
-        """R (3, t) at `positions` (t,) in m."""
+        """R (3, …) at `positions` (…) in m."""
         x, period = np.asarray(positions, dtype=float), self.nodes.spacing * self.nodes.nodes.shape[1]
         if x.size and np.ptp(x) > period:
             raise InputError(
@@ -92,7 +92,7 @@ class MeasuredProfile:
     spline: CubicSpline
 
     def __call__(self, positions: ArrayLike, /) -> FloatArray:
-        """R (3, t) at `positions` (t,) in m. Raises InputError where none was measured."""
+        """R (3, …) at `positions` (…) in m. Raises InputError where none was measured."""
         x = np.asarray(positions, dtype=float)
         first, last = self.spline.x[0], self.spline.x[-1]
         if x.size and (x.min() < first or x.max() > last):
@@ -112,12 +112,12 @@ class FadedIn:
     length: float
 
     def __call__(self, positions: ArrayLike, /) -> FloatArray:
-        """R (3, t) at `positions` (t,) in m."""
+        """R (3, …) at `positions` (…) in m."""
         return faded_in(self.profile(positions), positions, self.start, self.length)
 
 
 def level_track(positions: ArrayLike, /) -> FloatArray:
-    """The profile of a level track: R = 0 (3, t) at `positions` (t,)."""
+    """The profile of a level track: R = 0 (3, …) at `positions` (…)."""
     return np.zeros((3, *np.shape(positions)))
 
 

@@ -88,7 +88,7 @@ class Marginal:
     def to_standard_normal(self, x: ArrayLike) -> FloatArray:
         """ξ = Φ⁻¹(F(x)) (…), infinite at a bound."""
         below, above = self.cdf(x), self.sf(x)
-        return np.where(below <= above, ndtri(below), -ndtri(above))
+        return np.asarray(np.where(below <= above, ndtri(below), -ndtri(above)))
 
     def from_standard_normal(self, xi: ArrayLike) -> FloatArray:
         """x = F⁻¹(Φ(ξ)) (…)."""

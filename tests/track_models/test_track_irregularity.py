@@ -67,6 +67,19 @@ def test_roughness_only_scales_the_profile_of_a_seed():
     np.testing.assert_array_equal(seeded_profile("german", 3, roughness=0.0)(POSITIONS), level_track(POSITIONS))
 
 
+@pytest.mark.parametrize(
+    "profile",
+    [seeded_profile(), measured_profile(POSITIONS, np.sin(POSITIONS)), FadedIn(seeded_profile(), -24.0, 15.0), level_track],
+    ids=["seeded", "measured", "faded in", "level"],
+)
+def test_positions_of_several_wheels_are_taken_at_once(profile):
+    wheels = POSITIONS[:2900].reshape(4, 725)
+    together = profile(wheels)
+    assert together.shape == (3, 4, 725)
+    for wheel in range(4):
+        np.testing.assert_array_equal(together[:, wheel], profile(wheels[wheel]))
+
+
 def test_same_seed_same_profile_and_another_seed_another():
     first, again, other = (seeded_profile("german", seed)(POSITIONS) for seed in (7, 7, 8))
     assert first.tobytes() == again.tobytes()

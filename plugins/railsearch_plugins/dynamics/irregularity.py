@@ -8,9 +8,9 @@ k       order of a wave, λ = P/k                             (m,)     -
 S       one-sided power spectral density, ∫₀^∞ S dΩ = var r  (m,)     m²/(rad/m)
 A_v     roughness of a spectrum                              scalar   m² rad/m
 a, φ    amplitudes √(2 S ΔΩ) and phases                      (m,)     m, rad         Shinozuka & Jan (1972)
-r       height of the rail over its level, positive upward   (t,)     m
-R       r, dr/dx and d²r/dx²                                 (3, t)   m, -, 1/m
-w       fade-in: 0 before the profile begins, 1 later        (t,)     -
+r       height of the rail over its level, positive upward   (…)      m
+R       r, dr/dx and d²r/dx²                                 (3, …)   m, -, 1/m
+w       fade-in: 0 before the profile begins, 1 later        (…)      -
 
 Only the phases are random, so a profile of a given seed has its spectrum exactly, and A_v scales it as √A_v.
 """
@@ -106,7 +106,7 @@ def periodic_profile(harmonics: Harmonics) -> PeriodicProfile:
 
 
 def evaluate(profile: PeriodicProfile, positions: ArrayLike) -> FloatArray:
-    """R (3, t) at `positions` (t,) in m: the quintic that has the r, dr/dx and d²r/dx² of both neighbouring nodes.
+    """R (3, …) at `positions` (…) in m: the quintic that has the r, dr/dx and d²r/dx² of both neighbouring nodes.
 
     dr/dx and d²r/dx² are those of the quintic itself, so that all three belong to one twice differentiable function.
     """
@@ -114,13 +114,13 @@ def evaluate(profile: PeriodicProfile, positions: ArrayLike) -> FloatArray:
     scaled = np.asarray(positions, dtype=float) / spacing
     whole = np.floor(scaled)
     share, left = scaled - whole, whole.astype(np.int64) % count
-    powers = spacing ** np.arange(3)[:, None]
+    powers = (spacing ** np.arange(3)).reshape(3, *[1] * scaled.ndim)
     start, end = profile.nodes[:, left] * powers, profile.nodes[:, (left + 1) % count] * powers
     return _quintic(start, end, share) / powers
 
 
 def faded_in(values: FloatArray, positions: ArrayLike, start: float, length: float) -> FloatArray:
-    """R (3, t) of w r for R (3, t) of r at `positions` (t,) in m.
+    """R (3, …) of w r for R (3, …) of r at `positions` (…) in m.
 
     w = s³(10 − 15s + 6s²) with s = (x − start)/length clipped to [0, 1], so that d²(w r)/dx² is continuous.
     """
@@ -133,7 +133,7 @@ def faded_in(values: FloatArray, positions: ArrayLike, start: float, length: flo
 
 
 def _quintic(start: FloatArray, end: FloatArray, s: FloatArray) -> FloatArray:
-    """Value, slope and curvature (3, t) at s (t,) of the quintic on [0, 1] with those (3, t) at its ends."""
+    """Value, slope and curvature (3, …) at s (…) of the quintic on [0, 1] with those (3, …) at its ends."""
     a, b, c = start[0], start[1], 0.5 * start[2]
     rise, slope, bend = end[0] - a - b - c, end[1] - b - 2.0 * c, end[2] - 2.0 * c
     d = 10.0 * rise - 4.0 * slope + 0.5 * bend
