@@ -177,13 +177,12 @@ def marginal_from_table(table: Mapping[str, object], where: str) -> Marginal:
     """
     cuts = make_parameters(Truncation, {key: table[key] for key in (TRUNCATE_BELOW, TRUNCATE_ABOVE) if key in table}, where)
     settings = {key: value for key, value in table.items() if key not in (NAME, TRUNCATE_BELOW, TRUNCATE_ABOVE)}
-    name = table.get(NAME)
-    words = f"{name}({', '.join(f'{key}={value}' for key, value in settings.items())})"
     try:
-        marginal = Marginal(_frozen(name, settings, where), words)
+        marginal = Marginal(_frozen(table.get(NAME), settings, where), _words(table.get(NAME), settings))
         return marginal if cuts == Truncation() else marginal.truncated(*cuts.bounds)
     except InputError as error:
-        raise InputError(str(error) if str(error).startswith(where) else f"{where}: {error}") from None
+        begun = str(error).startswith((f"{where}:", f"{where}."))
+        raise InputError(str(error) if begun else f"{where}: {error}") from None
 
 
 def marginal_from_scipy(frozen: Any, where: str) -> Marginal:
@@ -198,11 +197,12 @@ def marginal_from_scipy(frozen: Any, where: str) -> Marginal:
             f"{where}: a table, or a frozen continuous distribution of scipy.stats of one variable, is needed, received "
             f"{type(frozen).__name__}{reason}"
         )
-    arguments = [*map(str, frozen.args), *(f"{key}={value}" for key, value in frozen.kwds.items())]
-    marginal = Marginal(frozen, f"{SCIPY}{frozen.dist.name}({', '.join(arguments)})")
-    if not math.isfinite(float(frozen.ppf(0.5))):
-        raise InputError(f"{where}: {marginal} is not a distribution; correct its parameters")
-    return marginal
+    positional = {f"argument {k}": value for k, value in enumerate(frozen.args, start=1)}
+    words = _words(SCIPY + frozen.dist.name, {**positional, **frozen.kwds})
+    median = np.asarray(frozen.ppf(0.5))
+    if median.shape or not np.isfinite(median):
+        raise InputError(f"{where}: {words} is not the distribution of one variable; correct its parameters")
+    return Marginal(frozen, words)
 
 
 def _frozen(name: object, settings: Mapping[str, object], where: str) -> Any:
@@ -216,11 +216,19 @@ def _frozen(name: object, settings: Mapping[str, object], where: str) -> Any:
     family = getattr(_stats(), name.removeprefix(SCIPY), None)
     if not isinstance(family, _stats().rv_continuous):
         raise InputError(f"{where}: {NAME}: scipy.stats has no continuous distribution '{name.removeprefix(SCIPY)}'")
+    for key, value in settings.items():
+        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+            raise InputError(f"{where}.{key}: a finite number is needed, received {value!r}")
     try:
         frozen = family(**settings)
     except TypeError as error:
         raise InputError(f"{where}: {name}: {error}; it takes {_shapes(family)}") from None
     return marginal_from_scipy(frozen, where).frozen
+
+
+def _words(name: object, settings: Mapping[str, object]) -> str:
+    shown = {key: f"{value:g}" if isinstance(value, int | float) else repr(value) for key, value in settings.items()}
+    return f"{name}({', '.join(f'{key}={value}' for key, value in shown.items())})"
 
 
 def _shapes(family: Any) -> str:

@@ -20,7 +20,7 @@ from railsearch_plugins.dynamics.irregularity import (
 
 PERIOD, SHORTEST, LONGEST = 600.0, 3.0, 150.0
 ORDER = wave_orders(PERIOD, SHORTEST, LONGEST)
-REFERENCE = Path(__file__).parents[1] / "reference" / "german_profile.json"
+REFERENCE = Path(__file__).parents[1] / "reference" / "ttb" / "german_waves.json"
 SPECTRA = {"german": german_spectrum, "fra": fra_spectrum}
 
 

@@ -9,7 +9,7 @@ from scipy.signal import lsim
 from railsearch.errors import InputError
 from railsearch_plugins.track_models.train_track_bridge.ride_comfort import comfort_filtered, ride_comfort_index
 
-REFERENCE = Path(__file__).parents[1] / "reference" / "train_track_bridge_carbody_acceleration.npz"
+REFERENCE = Path(__file__).parents[1] / "reference" / "ttb" / "carbody_acceleration.npz"
 STEP = 1e-3
 
 

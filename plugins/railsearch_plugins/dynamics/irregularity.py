@@ -64,6 +64,7 @@ def fra_spectrum(wavenumber: ArrayLike) -> FloatArray:
 
     S/A_v = k Ω_c²/(Ω² (Ω² + Ω_c²)) with k = 0.25 and Ω_c 0.8245 rad/m for all classes. A_v is 1.2107, 1.0181, 0.6816,
     0.5376, 0.2095 and 0.0339 cm² rad/m for classes 1 to 6 (Lei & Noda 2002, Journal of Sound and Vibration 258, 147).
+    Some programs take the same A_v with 2π in place of k, which is another spectrum.
     """
     square, upper = np.square(np.asarray(wavenumber, dtype=float)), 0.8245**2
     return np.asarray(0.25 * upper / (square * (square + upper)))
