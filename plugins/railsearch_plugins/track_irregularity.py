@@ -105,11 +105,20 @@ class MeasuredProfile:
 
 @dataclass(frozen=True)
 class FadedIn:
-    """Another profile, zero up to `start`, all there `length` further on, both in m."""
+    """Another profile, zero up to `start`, all there `length` further on, both in m.
+
+    Raises InputError for a length that is not positive: a profile that sets in at once hits the wheels.
+    """
 
     profile: Profile
     start: float
     length: float
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.length < np.inf:
+            raise InputError(
+                f"irregularity fade-in: a length above 0 m is needed, received {self.length:g}; leave the fade-in out for none"
+            )
 
     def __call__(self, positions: ArrayLike, /) -> FloatArray:
         """R (3, …) at `positions` (…) in m."""

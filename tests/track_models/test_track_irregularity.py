@@ -194,3 +194,9 @@ def test_fade_in_wraps_any_profile():
     faded = FadedIn(profile, -24.0, 15.0)(POSITIONS)
     assert not faded[:, POSITIONS <= -24.0].any()
     np.testing.assert_array_equal(faded[:, POSITIONS >= -9.0], profile(POSITIONS)[:, POSITIONS >= -9.0])
+
+
+@pytest.mark.parametrize("length", [0.0, -1.0, math.nan])
+def test_a_fade_in_of_no_length_is_refused(length):
+    with pytest.raises(InputError, match="irregularity fade-in: a length above 0 m"):
+        FadedIn(level_track, -24.0, length)
