@@ -194,6 +194,7 @@ def test_moments_of_a_truncated_exponential_are_known():
 def test_truncating_twice_is_truncating_at_the_inner_bounds():
     once = stated("normal", truncate_below=30e9, truncate_above=36e9)
     twice = stated("normal", truncate_below=28e9, truncate_above=36e9).truncated(30e9, 50e9)
+    assert stated("normal", truncate_below=30e9, truncate_above=40e9).truncated(20e9, 36e9).support == once.support
     assert (once.support, once.mean) == (twice.support, twice.mean)
     assert str(twice) == "normal(mean=3.5e+10, cov=0.08) between 3e+10 and 3.6e+10"
 
@@ -346,6 +347,12 @@ def test_a_distribution_outside_its_physical_range_is_refused_with_the_probabili
         keep_inside(damping, {"damping": (0.0, 1.0)})
     with pytest.raises(InputError, match="depth are not among the inputs damping"):
         keep_inside(damping, {"depth": (0.0, 1.0)})
+
+
+@pytest.mark.parametrize(("low", "high", "share"), [(-1.0, 9.0, 0.158655), (-9.0, 2.0, 0.022750), (-1.0, 2.0, 0.181405)])
+def test_probability_outside_counts_both_sides(low, high, share):
+    standard = marginal_from_table({"distribution": "normal", "mean": 0.0, "std": 1.0}, "x")
+    assert standard.probability_outside(low, high) == pytest.approx(share, abs=1e-6)
 
 
 def test_truncation_warns_of_what_is_cut_off_and_keeps_the_rest():

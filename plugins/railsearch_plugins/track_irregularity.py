@@ -117,7 +117,7 @@ class FadedIn:
     def __post_init__(self) -> None:
         if not 0.0 < self.length < np.inf:
             raise InputError(
-                f"irregularity fade-in: a length above 0 m is needed, received {self.length:g}; leave the fade-in out for none"
+                f"irregularity fade-in: a length above 0 m is needed, received {self.length:g}; leave the fade-in out"
             )
 
     def __call__(self, positions: ArrayLike, /) -> FloatArray:
