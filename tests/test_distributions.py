@@ -90,6 +90,8 @@ def test_families_are_those_of_their_closed_forms():
         rtol=1e-12,
     )
     np.testing.assert_allclose(stated("triangular").cdf([0.1, 0.2, 0.6]), [0.05, 0.2, 0.8], rtol=1e-12)
+    wide = marginal_from_table({"distribution": "triangular", "lower": 10.0, "mode": 12.0, "upper": 18.0}, "x")
+    np.testing.assert_allclose(wide.cdf([11.0, 12.0, 15.0]), [1.0 / 16.0, 0.25, 1.0 - 9.0 / 48.0], rtol=1e-12)
     np.testing.assert_allclose(stated("uniform").percentile([0.0, 0.5, 1.0]), [1e8, 8e8, 1.5e9], rtol=1e-15)
     beta = stated("beta")
     assert beta.mean == pytest.approx(-1.0 + 4.0 * 2.0 / 5.5, rel=1e-12)
@@ -312,7 +314,7 @@ def test_points_that_cannot_be_are_refused_by_name(vector):
         InputError, match=r"4 values each are needed \(stiffness, mass, load, angle\), received shape \(1, 3\)"
     ):
         vector.cdf(point[:, :3])
-    for column, value in ((0, 9e7), (1, -0.1), (3, math.nan)):
+    for column, value in ((0, 9e7), (0, 1.6e9), (1, -0.1), (3, math.nan)):
         wrong = point.copy()
         wrong[0, column] = value
         with pytest.raises(
