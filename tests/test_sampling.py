@@ -131,11 +131,11 @@ def test_latin_hypercube_is_uniform_inside_its_intervals_and_its_columns_are_shu
     assert np.abs(np.corrcoef(points.T) - np.eye(3)).max() < 0.07
 
 
-@pytest.mark.parametrize("n", [0, 1, 2, 64, 100])
+@pytest.mark.parametrize("n", [0, 1, 2, 64, 100, 300])
 def test_sobol_points_are_those_of_the_sequence_in_probability(n):
     points = sobol(INPUTS, n, np.random.default_rng(5))
     assert points.shape == (n, 3)
-    whole = INPUTS.cdf(sobol(INPUTS, 128, np.random.default_rng(5)))
+    whole = INPUTS.cdf(sobol(INPUTS, 512, np.random.default_rng(5)))
     np.testing.assert_allclose(INPUTS.cdf(points), whole[:n], atol=1e-9)
     if n == 64:  # a (t, m, s)-net: every half of 64 points has one value in each of 64 intervals of every coordinate
         assert np.array_equal(np.sort(np.floor(INPUTS.cdf(points) * n), axis=0), np.tile(np.arange(n)[:, None], 3))
