@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure, SubFigure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from railsearch.design_problem import DesignProblem
 from railsearch.distributions import Marginal
@@ -30,6 +30,9 @@ WHOLE_NUMBERS_SHOWN = 40
 DENSITY_POINTS = 201
 # A quantile's name is left out where it would stand on another one's: nearer than this share of the axis.
 LABEL_GAP = 0.14
+# Exponents of ten from and below which numbers are written out, and the letters that fit below a panel.
+PLAIN = (-3, 5)
+LONGEST_LABEL = 32
 # The middle first: where there is no room for all names, it is the last to go.
 LABELLED_FIRST = (50, 99, 1, 90)
 
@@ -72,16 +75,14 @@ def _panels(part: SubFigure, rows: int, count: int) -> list[Axes]:
         axes.tick_params(labelsize=8, colors=INK)
         axes.xaxis.set_major_locator(MaxNLocator(4))
         axes.yaxis.set_major_locator(MaxNLocator(3, integer=True))
-        axes.ticklabel_format(useMathText=True)
-        axes.xaxis.get_offset_text().set_fontsize(8)
         if place % COLUMNS == 0:
             axes.set_ylabel("samples", fontsize=8)
     return panels[:count]
 
 
 def _draw_output(axes: Axes, quantity: Quantity, values: FloatArray) -> None:
-    axes.set_xlabel(quantity_label(quantity.name, quantity.unit), fontsize=9)
     values = values[np.isfinite(values)]
+    _label(axes, quantity.name, quantity.unit, values)
     if not values.size:
         axes.text(0.5, 0.5, "no values", transform=axes.transAxes, ha="center", fontsize=9, color=INK)
         return
@@ -98,7 +99,7 @@ def _draw_output(axes: Axes, quantity: Quantity, values: FloatArray) -> None:
 
 
 def _draw_input(axes: Axes, variable: Variable, marginal: Marginal, values: FloatArray) -> None:
-    axes.set_xlabel(quantity_label(variable.name, variable.unit), fontsize=9)
+    _label(axes, variable.name, variable.unit, values)
     edges = _whole_edges(values) if variable.integer else _edges(values)
     axes.hist(values, edges.tolist(), color=INPUT, alpha=0.75, lw=0, rwidth=0.8 if variable.integer else None)
     if variable.integer:
@@ -106,6 +107,18 @@ def _draw_input(axes: Axes, variable: Variable, marginal: Marginal, values: Floa
     points = np.linspace(edges[0], edges[-1], DENSITY_POINTS)
     axes.plot(points, values.size * (edges[1] - edges[0]) * marginal.pdf(points), color=LINE, lw=1.2)
     axes.set_ylim(bottom=0.0)
+
+
+def _label(axes: Axes, name: str, unit: str, values: FloatArray) -> None:
+    """Name and unit below a panel; a power of ten goes with the unit where the numbers would be long."""
+    largest = np.abs(values).max(initial=0.0)
+    exponent = int(np.floor(np.log10(largest))) if largest else 0
+    if not PLAIN[0] <= exponent < PLAIN[1]:
+        power = 3 * (exponent // 3)
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, place: f"{value / 10.0**power:g}"))
+        unit = f"$10^{{{power}}}$ {unit}".rstrip()
+    label = quantity_label(name, unit)
+    axes.set_xlabel(label if len(label) <= LONGEST_LABEL else f"{name}\n[{unit}]", fontsize=9)
 
 
 def _edges(values: FloatArray) -> FloatArray:

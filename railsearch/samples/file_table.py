@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 COMMENT = "#"
 OWN_COMMENT = f"{COMMENT} {FORMAT} "
+LARGEST_BLOCK = 2**31 - 1
 SEPARATORS = (",", ";", "\t")
 
 
@@ -64,7 +65,8 @@ def _read_csv(path: Path) -> FileTable:
     layout = layout_of(about) if about else []
     table = pc.read_csv(
         path,
-        pc.ReadOptions(skip_rows=len(comments)),
+        # One block: types are inferred from the first one.
+        pc.ReadOptions(skip_rows=len(comments), block_size=min(path.stat().st_size, LARGEST_BLOCK)),
         pc.ParseOptions(delimiter=max(SEPARATORS, key=header.count), newlines_in_values=True),
         pc.ConvertOptions(column_types=_types(layout), strings_can_be_null=True, quoted_strings_can_be_null=False),
     )

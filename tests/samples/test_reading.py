@@ -36,6 +36,13 @@ def test_a_users_own_csv(tmp_path: Path, separator: str, begin: str) -> None:
     assert not samples.about
 
 
+def test_a_column_may_begin_with_many_whole_numbers(tmp_path: Path) -> None:
+    count = 400_000
+    samples = read_samples(written(tmp_path, "x,y\n" + "1,2\n" * count + "1.5,2\n"), ["x"])
+    assert samples.number == count + 1
+    assert samples.inputs["x"][-1] == 1.5
+
+
 def test_a_users_own_parquet(tmp_path: Path) -> None:
     path = tmp_path / "own.parquet"
     pyarrow.parquet.write_table(pa.table({"x": [1, 2], "y [N]": [0.5, None], "note": ["a", "b"]}), path)

@@ -1,3 +1,4 @@
+import dataclasses
 from collections.abc import Callable
 from pathlib import Path
 
@@ -6,7 +7,7 @@ import pytest
 from uncertain_problem import Uncertain, plugin
 
 from command_line import Answer
-from railsearch.interfaces import Evaluation
+from railsearch.interfaces import Evaluation, Quantity
 from railsearch.report.sample_figure import sample_figure
 from railsearch.run import MemoryRecord
 from railsearch.samples import Experiment, ExperimentDesign, evaluate_samples, natural_values
@@ -39,6 +40,24 @@ def test_the_curve_of_a_variable_has_the_area_of_its_bars(evaluations: list[Eval
     bars = sum(bar.get_height() * bar.get_width() for bar in axes.patches)
     # 256 Sobol' points of a normal distribution, drawn between the smallest and the largest: 0.8 % lie beyond.
     assert np.trapezoid(curve.get_ydata(), curve.get_xdata()) == pytest.approx(bars, rel=0.02)
+
+
+def test_a_power_of_ten_goes_with_the_unit(evaluations: list[Evaluation]) -> None:
+    class Stiff(Uncertain):
+        def __init__(self) -> None:
+            super().__init__()
+            self.metrics = (Quantity("gap", "N/m"),)
+
+    large = [
+        dataclasses.replace(evaluation, metrics={"gap": 1e8 + 1e5 * evaluation.number}, reason="")
+        for evaluation in evaluations
+    ]
+    figure = sample_figure(Stiff(), large)
+    figure.draw_without_rendering()
+    axes = figure.subfigs[0].axes[2]
+    assert axes.get_xlabel() == "gap [$10^{6}$ N/m]"
+    ticks = [float(label.get_text()) for label in axes.get_xticklabels()]
+    np.testing.assert_allclose(ticks, axes.get_xticks() / 1e6)
 
 
 def test_the_figure_is_beside_the_file(
