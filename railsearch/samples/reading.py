@@ -13,7 +13,7 @@ import numpy as np
 
 from railsearch.errors import InputError
 from railsearch.samples.file_table import FileTable, read_table
-from railsearch.samples.table import CONSTRAINT, QUANTITY, REASON, VARIABLE, layout_of
+from railsearch.samples.table import CONSTRAINT, QUANTITY, REASON, VARIABLE, column_numbers, layout_of
 from railsearch.space import FloatArray
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ UNIT = re.compile(r"(.*\S)\s*\[([^\[\]]*)\]")
 
 @dataclass(frozen=True)
 class Samples:
-    """n samples by column: the inputs and outputs with values (n,), NaN where there is none, and units.
+    """n samples by column: inputs and outputs with values (n,), NaN where there is none, and with units.
 
     reasons: why a sample failed, empty if it did not; unusable: columns without numbers, with what stands there; about: what
     the file says of itself (command, identity, problem, versions), empty for a user's own.
@@ -33,7 +33,8 @@ class Samples:
     source: Path
     inputs: Mapping[str, FloatArray]
     outputs: Mapping[str, FloatArray]
-    units: Mapping[str, str]
+    input_units: Mapping[str, str]
+    output_units: Mapping[str, str]
     reasons: tuple[str, ...]
     unusable: Mapping[str, str] = field(default_factory=dict)
     about: Mapping[str, Any] = field(default_factory=dict)
@@ -75,13 +76,15 @@ def read_samples(path: Path, inputs: Sequence[str] = ()) -> Samples:
 
 def _own(path: Path, found: FileTable, inputs: Sequence[str]) -> Samples:
     layout = layout_of(found.about)
-    values = {(c.kind, c.name): _numbers(found.table.column(c.label)) for c in layout if c.kind != REASON}
+    variables = [column for column in layout if column.kind == VARIABLE]
+    outputs = [column for column in layout if column.kind in (QUANTITY, CONSTRAINT)]
     (reasons,) = (found.table.column(column.label).to_pylist() for column in layout if column.kind == REASON)
     samples = Samples(
         path,
-        {name: column for (kind, name), column in values.items() if kind == VARIABLE},
-        {name: column for (kind, name), column in values.items() if kind in (QUANTITY, CONSTRAINT)},
-        {column.name: column.unit for column in layout},
+        {column.name: column_numbers(found.table.column(column.label)) for column in variables},
+        {column.name: column_numbers(found.table.column(column.label)) for column in outputs},
+        {column.name: column.unit for column in variables},
+        {column.name: column.unit for column in outputs},
         tuple(reason or "" for reason in reasons),
         about=found.about,
     )
@@ -94,13 +97,15 @@ def _users(path: Path, table: pa.Table, inputs: Sequence[str]) -> Samples:
     names = {label: match[1] if match else label for label, match in matches.items()}
     if len(set(names.values())) < len(names):
         raise InputError(f"{path}: columns have the same name and differ in their unit only; give each a name of its own")
+    units = {names[label]: match[2] if match else "" for label, match in matches.items()}
     numeric = {label for label in names if _is_numeric(table.column(label))}
-    values = {names[label]: _numbers(table.column(label)) for label in table.column_names if label in numeric}
+    values = {names[label]: column_numbers(table.column(label)) for label in table.column_names if label in numeric}
     samples = Samples(
         path,
         {name: values[name] for name in inputs if name in values},
         {name: column for name, column in values.items() if name not in inputs},
-        {names[label]: match[2] if match else "" for label, match in matches.items()},
+        {name: units[name] for name in inputs if name in values},
+        {name: units[name] for name in values if name not in inputs},
         ("",) * table.num_rows,
         {names[label]: _text(table.column(label)) for label in names if label not in numeric},
     )
@@ -110,12 +115,6 @@ def _users(path: Path, table: pa.Table, inputs: Sequence[str]) -> Samples:
         fault = f"is not one of numbers: {where}" if where else f"is missing{_hint(missing, values)}"
         raise InputError(f"{path}: column '{missing}' {fault}")
     return samples
-
-
-def _numbers(column: pa.ChunkedArray) -> FloatArray:
-    import pyarrow as pa
-
-    return np.array(column.cast(pa.float64()).to_numpy(), dtype=float)
 
 
 def _is_numeric(column: pa.ChunkedArray) -> bool:

@@ -70,30 +70,26 @@ def layout_of(about: Mapping[str, Any]) -> list[Layout]:
 
 def evaluations_in(table: pa.Table, about: Mapping[str, Any], problem: DesignProblem) -> list[Evaluation]:
     """The evaluations that a table of `write_samples` holds."""
-    columns = {(column.kind, column.name): column.label for column in layout_of(about)}
-    values = {key: table.column(label).to_pylist() for key, label in columns.items()}
-    known = {quantity.name: quantity for quantity in quantities(problem)}
-
-    def stored(row: int) -> dict[str, float]:
-        found = {name: _number(values[kind, name][row]) for kind, name in columns if kind == QUANTITY}
-        return {name: known.get(name, Quantity(name)).sign * value for name, value in found.items()}
-
-    def evaluation(row: int) -> Evaluation:
-        names = {kind: [name for of, name in columns if of == kind] for kind in (VARIABLE, CONSTRAINT)}
-        vectors = {kind: np.array([_number(values[kind, n][row]) for n in of], float) for kind, of in names.items()}
-        quantity = stored(row)
-        return Evaluation(
-            number=values[NUMBER, NUMBER][row] - 1,
-            design=vectors[VARIABLE],
-            objectives=np.array([quantity[objective.name] for objective in problem.objectives]),
-            constraints=vectors[CONSTRAINT],
-            metrics=quantity,
+    layout = layout_of(about)
+    entries = {own: table.column(own).to_pylist() for own in OWN_COLUMNS}
+    designs, constraints = (_matrix(table, layout, kind) for kind in (VARIABLE, CONSTRAINT))
+    signs = {quantity.name: quantity.sign for quantity in quantities(problem)}
+    names = [column.name for column in layout if column.kind == QUANTITY]
+    stored = _matrix(table, layout, QUANTITY) * [signs.get(name, 1.0) for name in names]
+    places = [names.index(objective.name) for objective in problem.objectives]
+    return [
+        Evaluation(
+            number=entries[NUMBER][row] - 1,
+            design=designs[row],
+            objectives=stored[row, places],
+            constraints=constraints[row],
+            metrics=dict(zip(names, stored[row].tolist(), strict=True)),
             origin=about["identity"]["design"],
-            reason=values[REASON, REASON][row] or "",
-            duration=values[SECONDS, SECONDS][row],
+            reason=entries[REASON][row] or "",
+            duration=entries[SECONDS][row],
         )
-
-    return [evaluation(row) for row in range(table.num_rows)]
+        for row in range(table.num_rows)
+    ]
 
 
 def _layout(problem: DesignProblem, evaluations: Sequence[Evaluation]) -> Iterator[Layout]:
@@ -160,5 +156,14 @@ def natural_values(problem: DesignProblem, evaluations: Sequence[Evaluation], na
     return natural
 
 
-def _number(value: float | None) -> float:
-    return np.nan if value is None else float(value)
+def column_numbers(column: pa.ChunkedArray) -> FloatArray:
+    """The numbers (n,) of a column of a file, NaN where there is none."""
+    import pyarrow as pa
+
+    return np.array(column.cast(pa.float64()).to_numpy(), dtype=float)
+
+
+def _matrix(table: pa.Table, layout: Sequence[Layout], kind: str) -> FloatArray:
+    """The columns (n, k) of one kind."""
+    columns = [column_numbers(table.column(column.label)) for column in layout if column.kind == kind]
+    return np.array(columns).reshape(len(columns), table.num_rows).T

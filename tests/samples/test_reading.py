@@ -28,9 +28,8 @@ def test_a_users_own_csv(tmp_path: Path, separator: str, begin: str) -> None:
     np.testing.assert_array_equal(samples.input_matrix(["E"]), [[2.1e11], [2e11], [1e11]])
     assert list(samples.outputs) == ["deflection", "failed"]
     np.testing.assert_array_equal(samples.output("deflection"), [1.5, np.nan, np.nan])
-    assert samples.units["E"] == "Pa"
-    assert samples.units["deflection"] == "mm"
-    assert samples.units["load"] == ""
+    assert samples.input_units == {"load": "", "E": "Pa"}
+    assert samples.output_units == {"deflection": "mm", "failed": ""}
     assert samples.number == 3
     assert samples.reasons == ("", "", "")
     assert not samples.about
@@ -49,7 +48,7 @@ def test_a_users_own_parquet(tmp_path: Path) -> None:
     samples = read_samples(path, ["x"])
     np.testing.assert_array_equal(samples.input_matrix(), [[1.0], [2.0]])
     np.testing.assert_array_equal(samples.output("y"), [0.5, np.nan])
-    assert samples.units == {"x": "", "y": "N", "note": ""}
+    assert (samples.input_units, samples.output_units) == ({"x": ""}, {"y": "N"})
 
 
 @pytest.mark.parametrize(

@@ -126,7 +126,9 @@ def test_both_formats_hold_the_same_numbers_to_the_last_bit(sample: Cli) -> None
     for name, values in {**parquet.outputs}.items():
         np.testing.assert_array_equal(csv.outputs[name], values)
     assert csv.reasons == parquet.reasons
-    assert csv.units == parquet.units
+    assert csv.input_units == parquet.input_units == {"load": "kN", "sag": "mm", "seconds": ""}
+    assert csv.output_units == parquet.output_units
+    assert parquet.output_units["gap"] == "mm"
     assert csv.about["identity"] == parquet.about["identity"]
 
 
