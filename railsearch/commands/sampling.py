@@ -13,7 +13,6 @@ from rich.table import Table
 from railsearch.commands.options import (
     AsJson,
     Assignments,
-    Objectives,
     Parameters,
     ProblemName,
     asked_problem,
@@ -60,7 +59,9 @@ def sample(
     seed: Annotated[int | None, typer.Option("--seed", help="Seed; drawn and reported if not given.")] = None,
     parameters: Parameters = None,
     assigned: Assignments = None,
-    objectives: Objectives = "",
+    objectives: Annotated[
+        str, typer.Option("--objectives", metavar="F_max,E_max", help="Objectives; default: all that the problem can have.")
+    ] = "",
     workers: Annotated[int, typer.Option("--workers", "-w", help="Processes that evaluate side by side.", min=1)] = 1,
     timeout: Annotated[
         float | None, typer.Option("--timeout", metavar="SECONDS", help="Time limit of one evaluation.")
@@ -80,8 +81,7 @@ def sample(
     Without --out the range of each objective is printed as the [worst] section of a site file, to be put there in place of
     what it has: the worst values are what scalarisers need.
 
-    The problem has all objectives that it can have, unless --objectives names some. `--set` changes values of the site file,
-    for instance `--set track.passage.speed=30`.
+    `--set` changes values of the site file, for instance `--set track.passage.speed=30`.
     """
     registry = load_plugins()
     available = ",".join(quantity.name for quantity in registry.get("problem", name).available_objectives)

@@ -271,7 +271,7 @@ def test_a_changed_table_is_not_taken_for_the_experiment(sample: Cli, tmp_path: 
     [
         (("ball", "--out", "s.xlsx"), ("--out", ".parquet or .csv", "s.xlsx")),
         (("ball", "--out", "/dev/null/s.csv"), ("/dev/null cannot be written",)),
-        (("ball", "--timeout", 0), ("timeout", "positive", "0")),
+        (("ball", "--n", 2, "--timeout", 0), ("timeout", "positive", "0")),
         (("ball", "--set", "track.speed=3"), ("unknown section [track]",)),
         (("ball", "--objectives", "mass"), ("distance", "mass")),
         (("ball", "--seed", "-1", "--out", "s.csv"), ("seed", "-1")),
