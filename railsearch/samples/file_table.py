@@ -65,10 +65,10 @@ def _read_csv(path: Path) -> FileTable:
     layout = layout_of(about) if about else []
     table = pc.read_csv(
         path,
-        # One block: types are inferred from the first one.
+        # One block: the lines to skip must fit into the first one, and a site with long lists makes a long line.
         pc.ReadOptions(skip_rows=len(comments), block_size=min(path.stat().st_size, LARGEST_BLOCK)),
         pc.ParseOptions(delimiter=max(SEPARATORS, key=header.count), newlines_in_values=True),
-        pc.ConvertOptions(column_types=_types(layout), strings_can_be_null=True, quoted_strings_can_be_null=False),
+        pc.ConvertOptions(column_types=_types(layout), strings_can_be_null=True),
     )
     return FileTable(table.rename_columns([column.label for column in layout]) if layout else table, about)
 
