@@ -37,6 +37,16 @@ def test_the_last_head_holds_and_an_empty_journal_leaves_nothing(tmp_path: Path)
     assert journal.entries == [{"place": 1}]
 
 
+def test_an_entry_is_in_the_file_before_anything_else_happens(tmp_path: Path) -> None:
+    journal, other = Journal(tmp_path / "journal"), Journal(tmp_path / "journal")
+    with journal.claimed():
+        journal.begin({})
+        for place in range(5):
+            journal.append({"place": place})
+            other.read()
+            assert other.entries[-1] == {"place": place}
+
+
 def test_a_journal_has_one_writer(tmp_path: Path) -> None:
     path = tmp_path / "journal"
     with Journal(path).claimed(), pytest.raises(StorageError, match="in use by another process"), Journal(path).claimed():

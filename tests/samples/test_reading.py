@@ -18,7 +18,7 @@ def written(folder: Path, text: str, name: str = "own.csv") -> Path:
 
 
 @pytest.mark.parametrize("separator", [",", ";", "\t"])
-@pytest.mark.parametrize("begin", ["", "# measured in May\n# by hand\n", "\ufeff"])
+@pytest.mark.parametrize("begin", ["", "# measured in May\n# by hand\n", "\ufeff", "\ufeff# of a spreadsheet\n"])
 def test_a_users_own_csv(tmp_path: Path, separator: str, begin: str) -> None:
     rows = (HEADER, ("2.1e11", "3", "fine", "1.5", ""), ("2e11", "4", "", "", ""), ("1e11", "5", "wet", "NaN", ""))
     path = written(tmp_path, begin + "".join(separator.join(row) + "\n" for row in rows))
