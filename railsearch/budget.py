@@ -111,38 +111,8 @@ class BudgetedEvaluator:
                 yield self._replayed(self._record[number], proposal)
         new = [number for number in charged if number not in self._record]
         for position, simulated in self._simulators.simulate([charged[number].design for number in new]):
-            yield self._evaluation(new[position], charged[new[position]], simulated, overhead)
-
-    def _evaluation(self, number: int, proposal: Proposal, simulated: Simulated, overhead: float) -> Evaluation:
-        outcome, reason = self._finished(proposal.design, simulated.outcome)
-        return Evaluation(
-            number=number,
-            design=proposal.design,
-            objectives=outcome.objectives,
-            constraints=outcome.constraints,
-            metrics={name: float(value) for name, value in outcome.metrics.items()},
-            origin=proposal.origin,
-            trajectory=proposal.trajectory,
-            reason=reason,
-            duration=simulated.duration,
-            overhead=overhead,
-        )
-
-    def _finished(self, design: FloatArray, simulated: Outcome | str) -> tuple[Outcome, str]:
-        reason = simulated if isinstance(simulated, str) else _fault(self._problem.simulated, simulated)
-        if isinstance(simulated, str) or reason:
-            return self._nothing({}), reason
-        try:
-            outcome = self._problem.finish(design, simulated)
-        except RailsearchError:
-            raise
-        except Exception as error:  # noqa: BLE001 - the simulation is done: what follows it must not lose its metrics
-            return self._nothing(simulated.metrics), f"{type(error).__name__}: {error}"
-        reason = _fault(self._problem, outcome)
-        return (self._nothing(outcome.metrics), reason) if reason else (outcome, "")
-
-    def _nothing(self, metrics: Mapping[str, float]) -> Outcome:
-        return Outcome(np.full(self._problem.n_obj, np.nan), metrics, np.full(self._problem.n_ieq_constr, np.nan))
+            number = new[position]
+            yield evaluation_of(self._problem, number, charged[number], simulated, overhead)
 
     def _replayed(self, stored: Evaluation, proposal: Proposal) -> Evaluation:
         same = np.array_equal(stored.design, proposal.design) and stored.origin == proposal.origin
@@ -160,6 +130,47 @@ class BudgetedEvaluator:
             return self._problem.space.checked(proposal.design)
         except InputError as error:
             raise PluginError(f"the strategy proposed a design that is not allowed ({proposal.origin}): {error}") from None
+
+
+def evaluation_of(
+    problem: DesignProblem, number: int, proposal: Proposal, simulated: Simulated, overhead: float = 0.0
+) -> Evaluation:
+    """The evaluation that a simulation makes of a proposal: finished by the problem, or failed with a reason.
+
+    number: its place in the record, from 0; overhead: the strategy's seconds for it. Raises what `problem.finish` raises
+    for the user to mend.
+    """
+    outcome, reason = _finished(problem, proposal.design, simulated.outcome)
+    return Evaluation(
+        number=number,
+        design=proposal.design,
+        objectives=outcome.objectives,
+        constraints=outcome.constraints,
+        metrics={name: float(value) for name, value in outcome.metrics.items()},
+        origin=proposal.origin,
+        trajectory=proposal.trajectory,
+        reason=reason,
+        duration=simulated.duration,
+        overhead=overhead,
+    )
+
+
+def _finished(problem: DesignProblem, design: FloatArray, simulated: Outcome | str) -> tuple[Outcome, str]:
+    reason = simulated if isinstance(simulated, str) else _fault(problem.simulated, simulated)
+    if isinstance(simulated, str) or reason:
+        return _nothing(problem, {}), reason
+    try:
+        outcome = problem.finish(design, simulated)
+    except RailsearchError:
+        raise
+    except Exception as error:  # noqa: BLE001 - the simulation is done: what follows it must not lose its metrics
+        return _nothing(problem, simulated.metrics), f"{type(error).__name__}: {error}"
+    reason = _fault(problem, outcome)
+    return (_nothing(problem, outcome.metrics), reason) if reason else (outcome, "")
+
+
+def _nothing(problem: DesignProblem, metrics: Mapping[str, float]) -> Outcome:
+    return Outcome(np.full(problem.n_obj, np.nan), metrics, np.full(problem.n_ieq_constr, np.nan))
 
 
 def _fault(problem: DesignProblem, outcome: Outcome) -> str:

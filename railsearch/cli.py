@@ -10,8 +10,9 @@ import typer
 from railsearch.commands.campaign import campaign, export, init_campaign, report
 from railsearch.commands.catalogue import describe, init, list_plugins
 from railsearch.commands.choose import choose
-from railsearch.commands.evaluation import evaluate, sample, simulate
+from railsearch.commands.evaluation import evaluate, simulate
 from railsearch.commands.options import messages
+from railsearch.commands.sampling import sample
 from railsearch.commands.search import dashboard, run, show
 from railsearch.errors import RailsearchError
 from railsearch.hookspecs import hookimpl

@@ -19,6 +19,8 @@ from railsearch.space import FloatArray, Space
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from railsearch.distributions import RandomVector
+
 
 class DesignProblem(Problem):  # type: ignore[misc]
     """A pymoo problem with a `Space`, named quantities and, if there is one, a reference design.
@@ -29,6 +31,9 @@ class DesignProblem(Problem):  # type: ignore[misc]
     (MixedVariableGA); F, G and the metrics are handed back.
 
     sections: what a site file may set, {section: frozen parameters dataclass}; `make` receives them validated.
+    distributions: those of the variables, for samples; without them a sample is uniform over the bounds. The bounds are
+    the range of a search; a sample need only be physically possible and may lie beyond them, so `simulate` must either
+    carry such a design out or raise an error that says why it cannot be.
     """
 
     available_objectives: ClassVar[Sequence[Quantity]] = ()
@@ -42,6 +47,7 @@ class DesignProblem(Problem):  # type: ignore[misc]
         reference: FloatArray | None = None,
         worst: Mapping[str, float] | None = None,
         n_constraints: int = 0,
+        distributions: RandomVector | None = None,
     ) -> None:
         super().__init__(
             n_var=space.dimension,
@@ -56,6 +62,12 @@ class DesignProblem(Problem):  # type: ignore[misc]
         self.metrics = tuple(metrics)
         self.reference = None if reference is None else space.checked(reference)
         self.worst = dict(worst or {})
+        self.distributions = distributions
+        if distributions is not None and distributions.names != space.names:
+            raise InputError(
+                f"distributions: those of {', '.join(space.names)} are needed in this order, received "
+                f"{', '.join(distributions.names)}"
+            )
         self.vars = {
             variable.name: (Integer if variable.integer else Real)(bounds=(variable.lower, variable.upper))
             for variable in space.variables
@@ -152,7 +164,16 @@ class ScalarisedProblem(DesignProblem):
         known = {metric.name for metric in base.metrics}
         raw = tuple(objective for objective in base.objectives if objective.name not in known)
         scalar = Quantity(scalariser_name, meaning=f"{scalariser_name} of {', '.join(q.name for q in base.objectives)}")
-        super().__init__(base.name, base.space, [scalar], base.metrics + raw, base.reference, base.worst, base.n_ieq_constr)
+        super().__init__(
+            base.name,
+            base.space,
+            [scalar],
+            base.metrics + raw,
+            base.reference,
+            base.worst,
+            base.n_ieq_constr,
+            base.distributions,
+        )
         self.base = base
         self.scalariser = copy.copy(scalariser)
 

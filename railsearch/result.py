@@ -195,10 +195,9 @@ def versions() -> dict[str, str]:
 
 
 def plugins_used(registry: Registry, identity: Mapping[str, Any]) -> list[dict[str, str]]:
-    """Where the plugins of a run come from: problem, strategy, scalariser, and all track models and surrogates."""
-    names = {("problem", identity["problem"]), ("strategy", identity["strategy"]["name"])}
-    if identity["scalariser"]:
-        names.add(("scalariser", identity["scalariser"]["name"]))
+    """Where the plugins of a run or sample come from: those that it names, and all track models and surrogates."""
+    names = {("problem", identity["problem"])}
+    names |= {(kind, identity[kind]["name"]) for kind in ("strategy", "scalariser") if identity.get(kind)}
     return [
         {"kind": entry.kind, "name": entry.name, **dataclasses.asdict(entry.provenance)}
         for entry in registry.entries()

@@ -5,7 +5,6 @@ with no evaluation spent, until the record ends.
 """
 
 import functools
-import math
 import time
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import closing
@@ -23,7 +22,7 @@ from railsearch.interfaces import Capabilities, Evaluation, Finding, Proposal, S
 from railsearch.parameters import make_parameters
 from railsearch.plugin_manager import Registry
 from railsearch.seeding import run_generators
-from railsearch.simulation import Simulators, simulators
+from railsearch.simulation import Simulators, check_timeout, simulators
 from railsearch.space import FloatArray
 
 Watch = Callable[[Evaluation], None]
@@ -75,8 +74,7 @@ class RunSettings:
         for name, value in (("budget", self.budget), ("batch", self.batch_size), ("workers", self.workers)):
             if isinstance(value, bool) or not isinstance(value, int) or value < 1:
                 raise InputError(f"{name}: an integer ≥ 1 is needed, received {value!r}")
-        if self.timeout is not None and not 0.0 < self.timeout < math.inf:
-            raise InputError(f"timeout: a positive number of seconds is needed, received {self.timeout!r}")
+        check_timeout(self.timeout)
         if self.workers > self.batch_size:
             raise InputError(
                 f"workers: {self.workers} would find no more than the {self.batch_size} designs of a batch to evaluate at a "

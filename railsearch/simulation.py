@@ -1,10 +1,11 @@
 """Carry out the expensive part of evaluations: here, or in processes of their own, several at a time or time-limited."""
 
+import math
 import pickle
 import queue
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
@@ -134,7 +135,7 @@ class Simulators:
             for warmed in [threads.submit(member.warm_up) for member in self._members]:
                 warmed.result()
 
-    def simulate(self, designs: Sequence[FloatArray]) -> Iterator[tuple[int, Simulated]]:
+    def simulate(self, designs: Sequence[FloatArray]) -> Generator[tuple[int, Simulated]]:
         """Simulate designs (d,); gives each one's place and result as it is finished.
 
         With one member the next design is begun when it is asked for; with several, as soon as a member is free.
@@ -159,10 +160,20 @@ class Simulators:
 
 
 def simulators(problem: DesignProblem, timeout: float | None = None, workers: int = 1) -> Simulators:
-    """Simulators for a problem: one in this process, or `workers` processes if they are several or time-limited."""
+    """Simulators for a problem: one in this process, or `workers` processes if they are several or time-limited.
+
+    Raises InputError for a time limit that is not positive.
+    """
+    check_timeout(timeout)
     if timeout is None and workers == 1:
         return Simulators([InProcess(problem)])
     return Simulators([SeparateProcess(problem, timeout) for _ in range(workers)])
+
+
+def check_timeout(timeout: float | None) -> None:
+    """Raise InputError for a time limit of an evaluation that is not a positive number of seconds."""
+    if timeout is not None and not 0.0 < timeout < math.inf:
+        raise InputError(f"timeout: a positive number of seconds is needed, received {timeout!r}")
 
 
 def _by_free_member(free: "queue.SimpleQueue[Simulator]", design: FloatArray) -> Simulated:

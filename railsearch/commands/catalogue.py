@@ -14,6 +14,7 @@ from railsearch.commands.options import (
     results,
     write_template,
 )
+from railsearch.design_problem import DesignProblem
 from railsearch.errors import InputError, PluginError
 from railsearch.parameters import Description, closest, describe_parameters
 from railsearch.plugin_manager import KINDS, Entry, Registry, load_plugins
@@ -109,11 +110,19 @@ def _made(registry: Registry, entry: Entry) -> dict[str, Any]:
         return {"unavailable": str(error)}
     available = entry.plugin.available_objectives or problem.objectives
     return {
-        "variables": [dataclasses.asdict(variable) for variable in problem.space.variables],
+        "variables": _variables(problem),
         "reference": None if problem.reference is None else problem.space.named(problem.reference),
         "objectives": [dataclasses.asdict(quantity) for quantity in available],
         "metrics": [dataclasses.asdict(quantity) for quantity in problem.metrics],
     }
+
+
+def _variables(problem: DesignProblem) -> list[dict[str, Any]]:
+    marginals = {} if problem.distributions is None else problem.distributions.marginals
+    return [
+        dataclasses.asdict(variable) | {"distribution": str(marginals[variable.name]) if marginals else None}
+        for variable in problem.space.variables
+    ]
 
 
 def _print_description(document: dict[str, Any]) -> None:
@@ -140,11 +149,15 @@ def _quantities(title: str, rows: list[dict[str, Any]], reference: dict[str, Any
     if title == "variables":
         for column in ("kind", "from", "to", "reference"):
             table.add_column(column, justify="right")
+    random = any(row.get("distribution") for row in rows)
+    if random:
+        table.add_column("distribution")
     for row in rows:
         cells = [row["name"], row["unit"], row["meaning"]]
         if title == "variables":
             cells += ["integer" if row["integer"] else "real", readable(row["lower"]), readable(row["upper"])]
             cells.append(readable(reference.get(row["name"])))
+            cells += [row["distribution"]] if random else []
         table.add_row(*cells)
     table.add_row()
     return table

@@ -1,9 +1,7 @@
-"""Commands that carry out simulations without a search: simulate, evaluate, sample."""
+"""Commands that carry out one simulation: simulate, evaluate."""
 
 import dataclasses
 import io
-import math
-from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -24,15 +22,12 @@ from railsearch.commands.options import (
     print_json,
     results,
 )
-from railsearch.commands.progress import run_progress
 from railsearch.errors import InputError, SimulationError
-from railsearch.interfaces import Evaluation, Quantity
+from railsearch.interfaces import Evaluation
 from railsearch.parameters import amend_parameters, nested
 from railsearch.plugin_manager import load_plugins
 from railsearch.result import evaluation_document, values_of
-from railsearch.run import MemoryRecord, RunSettings, run_search
 from railsearch.run_directory import write_whole
-from railsearch.seeding import checked_seed
 from railsearch.site import track_section
 from railsearch.wording import quantity_label, readable
 
@@ -100,67 +95,6 @@ def evaluate(
         table.add_row(variable.name, variable.unit, readable(document["design"][variable.name]))
     console.print(table)
     console.print(_values_table(problem.metrics or problem.objectives, values_of(problem, evaluation)))
-
-
-def sample(
-    name: ProblemName,
-    number: Annotated[int, typer.Option("--number", "-n", help="How many random designs.", min=2)] = 400,
-    seed: Annotated[int | None, typer.Option("--seed", help="Seed; drawn and reported if not given.")] = None,
-    parameters: Parameters = None,
-    as_json: AsJson = False,
-) -> None:
-    """Evaluate random designs and print each objective's range: the worst values are what scalarisers need.
-
-    What is printed is the [worst] section of a site file, to be put there in place of what it has.
-    """
-    registry = load_plugins()
-    names = [objective.name for objective in registry.get("problem", name).available_objectives]
-    problem = asked_problem(registry, name, parameters, ",".join(names)).problem
-    seed = checked_seed(seed)
-    record = MemoryRecord()
-    with run_progress(problem, number) as watch:
-        run_search(registry, problem, RunSettings("random", number, seed), record=record, watch=watch)
-    values = [values_of(problem, evaluation) for evaluation in record.evaluations if not evaluation.failed]
-    if not values:
-        raise SimulationError(f"all {number} evaluations failed, the last one with: {record.evaluations[-1].reason}")
-    rows = {
-        objective.name: _spread(objective, np.array([v[objective.name] for v in values])) for objective in problem.objectives
-    }
-    failed = len(record.evaluations) - len(values)
-    if as_json:
-        print_json({"problem": name, "seed": seed, "number": number, "failed": failed, "objectives": rows})
-        return
-    typer.echo(f"# {number} random designs, seed {seed}, {failed} failed")
-    typer.echo(_worst_section(problem.objectives, rows))
-
-
-def _worst_section(objectives: Sequence[Quantity], rows: Mapping[str, Mapping[str, float]]) -> str:
-    """A table of the objectives' ranges in comments, and the [worst] section of a site file."""
-    table = Table("objective", "unit", "best", "median", "worst", "variation [%]", box=None, pad_edge=False)
-    for objective in objectives:
-        row = rows[objective.name]
-        cells = [readable(row[key]) for key in ("best", "median", "worst", "variation_percent")]
-        table.add_row(objective.name, objective.unit, *cells)
-    console = results()
-    with console.capture() as printed:
-        console.print(table)
-    lines = [f"# {line.rstrip()}" for line in printed.get().splitlines()]
-    worst = {o.name: rounded_outward(rows[o.name]["worst"], up=not o.maximised) for o in objectives}
-    return "\n".join([*lines, "[worst]", *(f"{name} = {value:g}" for name, value in worst.items())])
-
-
-def rounded_outward(value: float, up: bool) -> float:
-    """A value rounded to three significant digits, up or down."""
-    step = 10.0 ** (math.floor(math.log10(abs(value))) - 2) if value else 1.0
-    return float((math.ceil if up else math.floor)(value / step) * step)
-
-
-def _spread(quantity: Quantity, values: Any) -> dict[str, float]:
-    """Best, median and worst of values (n,), and their coefficient of variation in per cent."""
-    ends = (float(values.max()), float(values.min()))
-    best, worst = ends if quantity.maximised else ends[::-1]
-    variation = float(100.0 * values.std() / abs(values.mean())) if values.mean() else 0.0
-    return {"best": best, "median": float(np.median(values)), "worst": worst, "variation_percent": variation}
 
 
 def _values_table(quantities: Any, values: Any) -> Table:

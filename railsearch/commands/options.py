@@ -5,7 +5,7 @@ import os
 import shlex
 import sys
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -15,6 +15,7 @@ from rich.console import Console
 
 from railsearch.design_problem import DesignProblem
 from railsearch.errors import InputError
+from railsearch.parameters import nested
 from railsearch.plugin_manager import Registry
 from railsearch.problem_factory import ProblemSettings, amended_design, make_problem
 from railsearch.run_directory import write_whole
@@ -70,14 +71,15 @@ def asked_problem(
     objectives: str = "",
     scalariser: str | None = None,
     preferences: Path | None = None,
+    assigned: Sequence[str] | None = None,
 ) -> Asked:
-    """The problem of a command. Raises PluginError or InputError."""
+    """The problem of a command, `assigned` changing values of the site file. Raises PluginError or InputError."""
     registry.entry("problem", name)
     site = read_site(parameters, registry, name) if parameters else Site(name)
     settings = ProblemSettings(
         name,
         tuple(part.strip() for part in objectives.split(",") if part.strip()),
-        site.sections,
+        _merged(site.sections, nested(assignments(assigned))),
         scalariser,
         {**site.scalarisers.get(scalariser or "", {}), **preference_settings(registry, scalariser, preferences)},
         site.worst,
@@ -98,6 +100,15 @@ def assignments(texts: Sequence[str] | None) -> dict[str, Any]:
         except tomllib.TOMLDecodeError:
             parsed[name.strip()] = value.strip()
     return parsed
+
+
+def _merged(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Nested tables with some of their values changed."""
+    merged = dict(tables)
+    for name, value in changes.items():
+        inside = tables.get(name, {})
+        merged[name] = _merged(inside, value) if isinstance(value, dict) and isinstance(inside, Mapping) else value
+    return merged
 
 
 def changed_design(problem: DesignProblem, texts: Sequence[str] | None) -> FloatArray:

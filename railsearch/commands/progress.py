@@ -1,10 +1,11 @@
-"""The live progress bar of a search: evaluations, best so far, failures, time left."""
+"""The live progress bars of a search and of a sample: evaluations, best so far, failures, time left."""
 
 import re
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
+from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Column
 
@@ -16,6 +17,7 @@ from railsearch.run import Watch, front
 
 FAILURES_SHOWN = 5
 NUMBER = re.compile(r"[-+]?\d[\d.]*(?:e[-+]?\d+)?")
+SPEED_OVER = 60.0
 
 
 @contextmanager
@@ -33,21 +35,36 @@ def run_progress(problem: DesignProblem, budget: int) -> Iterator[Watch]:
         task = progress.add_task(problem.name, total=budget, best="–", failed="")
         members: list[Evaluation] = []
         first: list[Evaluation] = []
-        failed = 0
+        failures = _Failures(progress.console, "evaluation")
 
         def watch(evaluation: Evaluation) -> None:
-            nonlocal members, failed
+            nonlocal members
             if len(first) < START:
                 first.append(evaluation)
                 if len(first) == min(START, budget) and (warning := flat_start(problem, first)):
                     progress.console.print(f"warning: {warning}")
             members = front([*members, evaluation])
-            failed += evaluation.failed
-            if evaluation.failed and failed <= FAILURES_SHOWN:
-                progress.console.print(f"evaluation {evaluation.number + 1} failed: {evaluation.reason}")
-            progress.update(
-                task, advance=1, best=best_so_far(problem, members), failed=f", {failed} failed" if failed else ""
-            )
+            progress.update(task, advance=1, best=best_so_far(problem, members), failed=failures.noted(evaluation))
+
+        yield watch
+
+
+@contextmanager
+def sample_progress(number: int, done: Sequence[Evaluation]) -> Iterator[Watch]:
+    """A progress bar on standard error over `number` samples; gives the function to call with every one after `done`."""
+    columns = (
+        BarColumn(bar_width=10),
+        MofNCompleteColumn(),
+        TextColumn("samples{task.fields[failed]},"),
+        TimeRemainingColumn(),
+        TextColumn("left"),
+    )
+    with Progress(*columns, console=messages, speed_estimate_period=SPEED_OVER) as progress:
+        failures = _Failures(progress.console, "sample", sum(evaluation.failed for evaluation in done))
+        task = progress.add_task("samples", total=number, completed=len(done), failed=failures.words)
+
+        def watch(evaluation: Evaluation) -> None:
+            progress.update(task, advance=1, failed=failures.noted(evaluation))
 
         yield watch
 
@@ -67,6 +84,27 @@ def plain_warnings() -> Iterator[None]:
     with warnings.catch_warnings():
         warnings.showwarning = show
         yield
+
+
+class _Failures:
+    """Counts failures and prints the first few."""
+
+    def __init__(self, console: Console, what: str, before: int = 0) -> None:
+        self._console = console
+        self._what = what
+        self._count = before
+
+    def noted(self, evaluation: Evaluation) -> str:
+        """The failures so far in words, this evaluation included."""
+        self._count += evaluation.failed
+        if evaluation.failed and self._count <= FAILURES_SHOWN:
+            self._console.print(f"{self._what} {evaluation.number + 1} failed: {evaluation.reason}")
+        return self.words
+
+    @property
+    def words(self) -> str:
+        """The failures so far in words."""
+        return f", {self._count} failed" if self._count else ""
 
 
 def best_so_far(problem: DesignProblem, members: list[Evaluation]) -> str:

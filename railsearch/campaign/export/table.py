@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
-from io import BytesIO
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,10 +19,10 @@ from railsearch.campaign.cells import CampaignProblem
 from railsearch.campaign.export.recorded import Recorded, recorded_cells
 from railsearch.campaign.measure import HYPERVOLUME, Box, Measure, measure_of
 from railsearch.campaign.results import CampaignResults, CellRecord
+from railsearch.data_table import Column, data_table, with_unit, write_csv_table, write_parquet_table
 from railsearch.design_problem import DesignProblem
 from railsearch.interfaces import Quantity
 from railsearch.result import quantities
-from railsearch.run_directory import write_whole, writing
 from railsearch.space import FloatArray
 
 if TYPE_CHECKING:
@@ -47,16 +46,6 @@ class Described:
     meaning: str = field(default="", compare=False)
 
 
-@dataclass(frozen=True)
-class Column:
-    """A column of the table."""
-
-    label: str
-    values: pa.Array
-    unit: str = ""
-    meaning: str = ""
-
-
 def results_table(results: CampaignResults) -> pa.Table:
     """The table: campaign, problem, strategy, repetition, evaluation (from 1), what was evaluated and what became of it.
 
@@ -64,48 +53,22 @@ def results_table(results: CampaignResults) -> pa.Table:
     `hypervolume_so_far` that of one with more, between the ideal and the reference point that the table's metadata state;
     `reason` is null unless the evaluation failed.
     """
-    import pyarrow as pa
-
     rows = recorded_cells(results)
     measures = {asked.label: _measure(results, asked) for asked in results.campaign.problems}
     columns = [*_places(results, rows), *_described(results, rows), *_measured(measures, rows), *_circumstances(rows)]
-    fields = [
-        pa.field(column.label, column.values.type, metadata={"unit": column.unit, "meaning": column.meaning})
-        for column in columns
-    ]
     boxes = json.dumps({label: _box(results.problems[label], m.box) for label, m in measures.items() if m.box is not None})
     about = {"format": FORMAT, "campaign": results.campaign.name, "hypervolume_boxes": boxes}
-    schema = pa.schema(fields, metadata=about)
-    return pa.Table.from_arrays([column.values for column in columns], schema=schema)
+    return data_table(columns, about)
 
 
 def write_parquet(results: CampaignResults, path: Path) -> None:
     """Write the table as a Parquet file, whole or not at all. Raises StorageError if it cannot be written."""
-    import pyarrow.parquet
-
-    buffer = BytesIO()
-    pyarrow.parquet.write_table(results_table(results), buffer, compression="zstd")
-    _write(path, buffer.getvalue())
+    write_parquet_table(results_table(results), path)
 
 
 def write_csv(results: CampaignResults, path: Path) -> None:
     """Write the table as a CSV file with units in the header, whole or not at all. Raises StorageError."""
-    import pyarrow.csv
-
-    table, buffer = results_table(results), BytesIO()
-    header = [_with_unit(column.name, column.metadata[b"unit"].decode()) for column in table.schema]
-    pyarrow.csv.write_csv(table.rename_columns(header), buffer)
-    _write(path, buffer.getvalue())
-
-
-def _write(path: Path, content: bytes) -> None:
-    with writing(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
-    write_whole(path, content)
-
-
-def _with_unit(name: str, unit: str) -> str:
-    return f"{name} [{unit}]" if unit and not name.endswith(f"[{unit}]") else name
+    write_csv_table(results_table(results), path)
 
 
 def _places(results: CampaignResults, rows: Recorded) -> Iterator[Column]:
@@ -170,7 +133,7 @@ def _whole(results: CampaignResults, described: Described) -> bool:
 def _label(described: Described, all_described: Collection[Described]) -> str:
     """The name, with kind and unit where it alone could be mistaken for something else."""
     alone = sum(other.name == described.name for other in all_described) == 1 and described.name not in OWN_COLUMNS
-    return described.name if alone else _with_unit(f"{described.kind} {described.name}", described.unit)
+    return described.name if alone else with_unit(f"{described.kind} {described.name}", described.unit)
 
 
 def _measured(measures: Mapping[str, Measure], rows: Recorded) -> Iterator[Column]:
