@@ -9,8 +9,8 @@ U       L as seen from the far end: Lᵀ x = y is a forward      (b + 1, n)  -
         substitution with U on the reversed vectors
 
 The envelope of A is that of L (George & Liu 1981, sec. 4.2): rows of L are as short as those of A. Rows with at most
-NARROW sub-diagonals (a beam with single masses under it) or WIDE ones (two beams, one over a joint of the other) are
-substituted with the last results held in registers: what limits a substitution is the wait for the row before.
+NARROW sub-diagonals (a beam with single masses under it), MIDDLE ones (a beam over another one) or WIDE ones (one over
+a joint of the other) are substituted with the last results held in registers: what limits a substitution is the wait for the row before.
 """
 
 from collections.abc import Iterable
@@ -18,7 +18,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from railsearch_plugins.dynamics.beam import FloatArray, IntArray
-from railsearch_plugins.dynamics.kernels import BLOCK, NARROW, WIDE
+from railsearch_plugins.dynamics.kernels import BLOCK, MIDDLE, NARROW, WIDE
 
 Elements = tuple[IntArray, FloatArray]
 
@@ -60,7 +60,9 @@ def runs(factor: FloatArray) -> IntArray:
     The first block is a run of its own: the rows before it are missing, and its substitution is the slower, general one.
     """
     widths = block_widths(factor)
-    alike = np.where(widths <= NARROW, NARROW, np.where(widths <= WIDE, WIDE, widths))
+    alike = widths
+    for width in (WIDE, MIDDLE, NARROW):
+        alike = np.where(widths <= width, width, alike)
     cuts = np.flatnonzero(np.diff(alike)) + 1
     first = np.unique(np.concatenate([[0, min(1, alike.size - 1)], cuts]))
     stops = np.append(first[1:] * BLOCK, factor.shape[1])

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from railsearch_plugins.dynamics.beam import bending_matrices, coupled, gram_matrices, layer_matrices, locate, outer
+from railsearch_plugins.dynamics.vehicles import Vehicle, multibody
 from railsearch_plugins.track_models.level_crossing.layout import (
     FloatArray,
     IntArray,
@@ -49,14 +50,16 @@ def assemble_track(parameters: LevelCrossingParameters) -> TrackElements:
     return TrackElements(mesh, sleepers, numbering, mass, damping, stiffness)
 
 
-def vehicle_matrices(parameters: LevelCrossingParameters) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Mass, damping and stiffness (3, 3) of carbody, bogie and wheelset in line."""
+def make_vehicle(parameters: LevelCrossingParameters) -> Vehicle:
+    """Carbody, bogie and wheelset in line on a Hertz contact."""
     vehicle = parameters.vehicle
-    mass = np.diag([vehicle.effective_carbody_mass, vehicle.bogie_mass, vehicle.wheelset_mass])
-    suspension = np.array([[1.0, -1.0, 0.0], [0.0, 1.0, -1.0]])
-    damping = outer(suspension, [vehicle.secondary_damping, vehicle.primary_damping]).sum(axis=0)
-    stiffness = outer(suspension, [vehicle.secondary_stiffness, vehicle.primary_stiffness]).sum(axis=0)
-    return mass, damping, stiffness
+    matrices = multibody(
+        np.array([vehicle.effective_carbody_mass, vehicle.bogie_mass, vehicle.wheelset_mass]),
+        np.array([[1.0, -1.0, 0.0], [0.0, 1.0, -1.0]]),
+        np.array([vehicle.secondary_stiffness, vehicle.primary_stiffness]),
+        np.array([vehicle.secondary_damping, vehicle.primary_damping]),
+    )
+    return Vehicle(*matrices, np.array([vehicle.static_load]), vehicle.contact_stiffness)
 
 
 def pad_values(parameters: LevelCrossingParameters, sleepers: Sleepers) -> tuple[FloatArray, FloatArray]:
