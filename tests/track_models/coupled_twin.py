@@ -234,14 +234,15 @@ def level(x):
 def march(p, model, profile, steps=None, deck_at=25.0):
     dt = model.time_step
     front = model.front if steps is None else model.front[: steps + 1]
-    quiet = np.zeros((3, model.axles.size))
-    _, _, k, load = coupled(p, model, front[0], *quiet)
-    # At rest nothing moves along the track: no convection.
+    quiet = np.zeros(model.axles.size)
+    # At rest nothing moves along the track: no rates, no convection.
+    load = coupled(p, model, front[0], profile(front[0] - model.axles)[0], quiet, quiet)[3]
     still = wheel_stiffness(p, model, front[0])
     u = splu(scipy.sparse.csc_array(model.stiffness + still)).solve(load)
     v, a = np.zeros(u.size), np.zeros(u.size)
-    static = np.full(model.axles.size, -load.sum() / model.axles.size)
-    force, carbody, deck = [static], [np.zeros(p.vehicles)], []
+    weight = p.vehicle.gravity * (p.carbody_mass_factor * p.vehicle.carbody_mass + 2 * p.vehicle.bogie_mass) / 4
+    force = [np.full(model.axles.size, weight + p.vehicle.gravity * p.vehicle.wheelset_mass)]
+    carbody, deck = [np.zeros(p.vehicles)], []
     rail, under = np.arange(0, 2 * model.nodes.size, 2), model.first_sleeper + np.arange(model.sleepers.size)
     bodies = model.first_vehicle + 6 * np.arange(p.vehicles)
     rail_lowest, sleeper = u[rail].copy(), np.zeros(under.size)

@@ -9,6 +9,7 @@ EI      bending stiffness                                  scalar   N m²
 G       ∫ Nᵀ N dξ over a part of the element               (m, 4, 4)
 """
 
+import math
 from typing import Any
 
 import numpy as np
@@ -106,3 +107,12 @@ def locate(nodes: FloatArray, positions: ArrayLike) -> tuple[IntArray, FloatArra
 def outer(rows: FloatArray, factors: Any) -> FloatArray:
     """Matrices (m, p, p) = factor · rowᵀ row of springs or dampers (m,) that see the elongation row · u, rows (m, p)."""
     return np.asarray(np.einsum("m,mi,mj->mij", np.broadcast_to(factors, rows.shape[:1]), rows, rows))
+
+
+def critical_speed(foundation: float, bending_stiffness: float, mass: float) -> float:
+    """Speed in m/s at which a load outruns the waves of a beam on a Winkler foundation: (4 k EI/m²)^(1/4).
+
+    foundation k in N/m², bending stiffness EI in N m² and mass m in kg/m, both of the latter with all that moves along
+    (Frýba 1999, Vibration of Solids and Structures under Moving Loads, ch. 13).
+    """
+    return math.sqrt(2.0 * math.sqrt(foundation * bending_stiffness) / mass)

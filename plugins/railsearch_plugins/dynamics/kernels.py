@@ -14,6 +14,8 @@ ROWS = 256
 NARROW = 4
 MIDDLE = 6
 WIDE = 9
+# Columns of the inverse that are computed together.
+LANES = 8
 # Where the columns of the inverse under the rail are cut off, relative to their largest entry.
 NEGLIGIBLE = 1e-9
 
@@ -128,74 +130,75 @@ def add_products(first, second, starts, stops, x, z, y):  # type: ignore[no-unty
 
 
 @njit(cache=True, fastmath={"contract"})
-def _forward_column(lower, k, x):  # type: ignore[no-untyped-def]
-    """x = D⁻¹ L⁻¹ e_k from row k to where it has decayed; returns one past its last row."""
-    size, width, largest = x.size, lower.shape[0] - 1, 0.0
-    x[k] = 1.0
-    stop = k
-    while stop < size:
-        begin, stop, block = stop, min(stop + BLOCK, size), 0.0
+def _forward_panel(lower, widths, unknowns, x):  # type: ignore[no-untyped-def]
+    """Columns D⁻¹ L⁻¹ e_k (n, LANES) of some neighbouring unknowns k down to where they have decayed; one past that row."""
+    start, largest = unknowns[0], 0.0
+    x[max(0, start - lower.shape[0]) : start] = 0.0
+    stop = start
+    while stop < x.shape[0]:
+        begin, stop, block = stop, min(stop // BLOCK * BLOCK + BLOCK, x.shape[0]), 0.0
+        x[begin:stop] = 0.0
+        for c in range(unknowns.size):
+            if begin <= unknowns[c] < stop:
+                x[unknowns[c], c] = 1.0
         for i in range(begin, stop):
-            value = 1.0 if i == k else 0.0
-            for m in range(1, min(width, i - k) + 1):
-                value -= lower[m, i] * x[i - m]
-            x[i] = value
-            block = max(block, abs(value * lower[0, i]))
+            for k in range(1, min(widths[i // BLOCK], i) + 1):
+                for lane in range(LANES):
+                    x[i, lane] -= lower[k, i] * x[i - k, lane]
+        for i in range(begin, stop):
+            for lane in range(LANES):
+                block = max(block, abs(x[i, lane] * lower[0, i]))
         largest = max(largest, block)
-        if block <= NEGLIGIBLE * largest:
+        if begin > unknowns[-1] and block <= NEGLIGIBLE * largest:
             break
-    for i in range(k, stop):
+    for i in range(start, stop):
         x[i] *= lower[0, i]
     return stop
 
 
 @njit(cache=True, fastmath={"contract"})
-def _backward_column(lower, k, stop, x):  # type: ignore[no-untyped-def]
-    """x = A⁻¹ e_k of `_forward_column`'s result, down to the row where it has decayed; returns that row."""
-    width, largest, start = lower.shape[0] - 1, 0.0, stop
+def _backward_panel(lower, widths, first, stop, x):  # type: ignore[no-untyped-def]
+    """Columns A⁻¹ e_k of `_forward_panel`'s up to where they have decayed above the `first` unknown; that row."""
+    start, largest = stop, 0.0
     while start > 0:
-        end, start, block = start, max(start - BLOCK, 0), 0.0
+        end, start, block = start, max((start - 1) // BLOCK * BLOCK, 0), 0.0
+        x[start : min(end, first)] = 0.0
+        width = max(widths[start // BLOCK], widths[min(end, stop - 1) // BLOCK])
         for i in range(end - 1, start - 1, -1):
-            value = x[i] if i >= k else 0.0
-            for m in range(1, min(width, stop - 1 - i) + 1):
-                value -= lower[m, i + m] * x[i + m]
-            x[i] = value
-            block = max(block, abs(value))
+            for k in range(1, min(width, stop - 1 - i) + 1):
+                for lane in range(LANES):
+                    x[i, lane] -= lower[k, i + k] * x[i + k, lane]
+        for i in range(start, end):
+            for lane in range(LANES):
+                block = max(block, abs(x[i, lane]))
         largest = max(largest, block)
-        if start < k and block <= NEGLIGIBLE * largest:
+        if start < first and block <= NEGLIGIBLE * largest:
             break
     return start
 
 
 @njit(cache=True)
-def inverse_columns(lower, unknowns):  # type: ignore[no-untyped-def]
-    """Columns A⁻¹ e_k of some unknowns k (r,), cut off where they have decayed.
+def inverse_columns(lower, widths, unknowns):  # type: ignore[no-untyped-def]
+    """Columns A⁻¹ e_k of some unknowns k (r,), ascending, cut off where they have decayed; `widths` as of `block_widths`.
 
     Returns the place of each unknown's column (n,), the first row of each column (r,), where it starts in the values
     (r + 1,), and the values of all columns one after the other.
     """
-    size = lower.shape[1]
-    place, first = np.zeros(size, dtype=np.int64), np.zeros(unknowns.size, dtype=np.int64)
+    place, first = np.zeros(lower.shape[1], dtype=np.int64), np.zeros(unknowns.size, dtype=np.int64)
     offset = np.zeros(unknowns.size + 1, dtype=np.int64)
-    values, x = np.empty(256 * unknowns.size), np.empty(size)
-    for c in range(unknowns.size):
-        stop = _forward_column(lower, unknowns[c], x)
-        start = _backward_column(lower, unknowns[c], stop, x)
-        place[unknowns[c]], first[c] = c, start
-        offset[c + 1] = offset[c] + stop - start
-        if offset[c + 1] > values.size:
-            values = np.concatenate((values, np.empty(max(values.size, stop - start))))
-        values[offset[c] : offset[c + 1]] = x[start:stop]
-    return place, first, offset, values[: offset[-1]].copy()
-
-
-@njit(cache=True, fastmath={"contract"})
-def _seen(unknowns, row, x):  # type: ignore[no-untyped-def]
-    """N x of one wheel."""
-    total = 0.0
-    for k in range(unknowns.size):
-        total += row[k] * x[unknowns[k]]
-    return total
+    values, x = np.empty(512 * unknowns.size), np.zeros((lower.shape[1], LANES))
+    for begin in range(0, unknowns.size, LANES):
+        panel = unknowns[begin : begin + LANES]
+        stop = _forward_panel(lower, widths, panel, x)
+        start = _backward_panel(lower, widths, panel[0], stop, x)
+        rows = stop - start
+        while offset[begin] + panel.size * rows > values.size:
+            values = np.concatenate((values, np.empty(values.size)))
+        for c in range(panel.size):
+            column = begin + c
+            place[panel[c]], first[column], offset[column + 1] = column, start, offset[column] + rows
+            values[offset[column] : offset[column] + rows] = x[start:stop, c]
+    return place, first, offset, values
 
 
 @njit(cache=True, fastmath={"contract"})

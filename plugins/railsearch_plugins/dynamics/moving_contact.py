@@ -178,7 +178,7 @@ def _prepare_track(track: Track, contact: Contact, time_step: float) -> TrackSte
     newmark = (2.0 / time_step) * (scaled_mass + track.damping) + track.stiffness
     lower = factorise(newmark)
     upper = mirrored(lower)
-    columns = Columns(*inverse_columns(lower, np.unique(contact.unknowns)))
+    columns = Columns(*inverse_columns(lower, block_widths(lower), np.unique(contact.unknowns)))
     return TrackStep(
         lower, upper, runs(lower), runs(upper), scaled_mass, -track.stiffness, *diagonal_ranges(newmark), columns
     )

@@ -126,12 +126,15 @@ class TrainTrackBridgeParameters:
     )
     irregularity_shortest: float = parameter(3.0, unit="m", meaning="shortest wavelength", source=STUDY, above=0.0)
     irregularity_longest: float = parameter(150.0, unit="m", meaning="longest wavelength", source=STUDY, above=0.0)
+    irregularity_period: float = parameter(
+        600.0, unit="m", meaning="after which a generated profile repeats", source="chosen", above=0.0
+    )
     irregularity_fade: float = parameter(
         15.0,
         unit="m",
-        meaning="length over which a generated profile fades in, up to the approach or from the start",
+        meaning="length over which a generated profile fades in, from where the first axle starts",
         source=CODE,
-        minimum=0.0,
+        above=0.0,
     )
     bridge_length: float = parameter(
         50.0, unit="m", meaning="span; rounded to a whole number of elements", source=STUDY, above=0.0
