@@ -69,8 +69,6 @@ def test_forces_agree_closer_with_the_same_differences_in_time(name):
     force = m.forces_on_bridge(simulated, simulated.passage.force)
     assert force.max() == pytest.approx(known.scalars["contact_force_onbridge_max_N"], rel=1e-3)
     assert force.min() == pytest.approx(known.scalars["contact_force_onbridge_min_N"], rel=1e-3)
-    bridge = m.make_histories(simulated)["bridge_acceleration_max"].max()
-    assert bridge == pytest.approx(known.scalars["bridge_acc_any_max"], rel=5e-3)
 
 
 TWINS = {

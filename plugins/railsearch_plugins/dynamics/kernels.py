@@ -16,8 +16,9 @@ MIDDLE = 6
 WIDE = 9
 # Columns of the inverse that are computed together.
 LANES = 8
-# Where the columns of the inverse under the rail are cut off, relative to their largest entry.
-NEGLIGIBLE = 1e-9
+# Where columns of the inverse are cut off, relative to their largest entry; rows that are looked at together for it.
+NEGLIGIBLE = 1e-8
+STRETCH = 16
 
 
 @njit(cache=True, fastmath={"contract"})
@@ -136,7 +137,7 @@ def _forward_panel(lower, widths, unknowns, x):  # type: ignore[no-untyped-def]
     x[max(0, start - lower.shape[0]) : start] = 0.0
     stop = start
     while stop < x.shape[0]:
-        begin, stop, block = stop, min(stop // BLOCK * BLOCK + BLOCK, x.shape[0]), 0.0
+        begin, stop, block = stop, min(stop + STRETCH, x.shape[0]), 0.0
         x[begin:stop] = 0.0
         for c in range(unknowns.size):
             if begin <= unknowns[c] < stop:
@@ -161,7 +162,7 @@ def _backward_panel(lower, widths, first, stop, x):  # type: ignore[no-untyped-d
     """Columns A⁻¹ e_k of `_forward_panel`'s up to where they have decayed above the `first` unknown; that row."""
     start, largest = stop, 0.0
     while start > 0:
-        end, start, block = start, max((start - 1) // BLOCK * BLOCK, 0), 0.0
+        end, start, block = start, max(start - STRETCH, 0), 0.0
         x[start : min(end, first)] = 0.0
         width = max(widths[start // BLOCK], widths[min(end, stop - 1) // BLOCK])
         for i in range(end - 1, start - 1, -1):
@@ -236,26 +237,39 @@ def _rail_motion(unknowns, rows, irregularity, rate, w, track, motion, work):  #
 
 
 @njit(cache=True, fastmath={"contract"})
-def _entry(columns, k, row):  # type: ignore[no-untyped-def]
-    """A⁻¹[row, k], zero where the column of k is cut off."""
-    c = columns.place[k]
-    at = columns.offset[c] + row - columns.first[c]
-    return columns.values[at] if columns.offset[c] <= at < columns.offset[c + 1] else 0.0
+def _contact_columns(unknowns, rows, columns, first, stop, panel):  # type: ignore[no-untyped-def]
+    """½ A⁻¹ Nᵀ of every wheel, in rows `first` to `stop` of the track, where it has not decayed."""
+    for i in range(unknowns.shape[0]):
+        first[i], stop[i] = 0, panel.shape[1]
+        for k in range(4):
+            c = columns.place[unknowns[i, k]]
+            first[i] = max(first[i], columns.first[c])
+            stop[i] = min(stop[i], columns.first[c] + columns.offset[c + 1] - columns.offset[c])
+        count = stop[i] - first[i]
+        near = columns.offset[columns.place[unknowns[i]]] + first[i] - columns.first[columns.place[unknowns[i]]]
+        c0, c1 = columns.values[near[0] : near[0] + count], columns.values[near[1] : near[1] + count]
+        c2, c3 = columns.values[near[2] : near[2] + count], columns.values[near[3] : near[3] + count]
+        n0, n1, n2, n3 = 0.5 * rows[i, 0, 0], 0.5 * rows[i, 0, 1], 0.5 * rows[i, 0, 2], 0.5 * rows[i, 0, 3]
+        column = panel[i, :count]
+        for m in range(count):
+            column[m] = n0 * c0[m] + n1 * c1[m] + n2 * c2[m] + n3 * c3[m]
 
 
 @njit(cache=True, fastmath={"contract"})
-def _receptances(unknowns, rows, columns, rate, receptance, work):  # type: ignore[no-untyped-def]
+def _receptances(unknowns, rows, first, stop, panel, rate, receptance, work):  # type: ignore[no-untyped-def]
     """y, ẏ, ÿ (d, w, w) of wheel i at the end of a step for a unit force under wheel j there."""
-    count = unknowns.shape[0]
     motion = np.empty(receptance.shape[0])
-    for i in range(count):
-        for j in range(count):
+    for j in range(unknowns.shape[0]):
+        for i in range(unknowns.shape[0]):
+            motion[:] = 0.0
+            near = True
             for k in range(4):
-                half = 0.0
-                for m in range(4):
-                    half += 0.5 * rows[j, 0, m] * _entry(columns, unknowns[j, m], unknowns[i, k])
-                work[0, k], work[1, k], work[2, k] = 2.0 * half, rate * half, 0.5 * rate * rate * half
-            _motion(rows[i], work[0], work[1], work[2], motion)
+                near = near and first[j] <= unknowns[i, k] < stop[j]
+            if near:
+                for k in range(4):
+                    half = panel[j, unknowns[i, k] - first[j]]
+                    work[0, k], work[1, k], work[2, k] = 2.0 * half, rate * half, 0.5 * rate * rate * half
+                _motion(rows[i], work[0], work[1], work[2], motion)
             for d in range(motion.size):
                 receptance[d, i, j] = motion[d]
 
@@ -304,15 +318,12 @@ def _force_changes(train, free, motion, receptance, matrix, change):  # type: ig
 
 
 @njit(cache=True, fastmath={"contract"})
-def _add_columns(unknowns, rows, columns, changes, w):  # type: ignore[no-untyped-def]
+def _add_columns(first, stop, panel, changes, w):  # type: ignore[no-untyped-def]
     """w += ½ A⁻¹ Nᵀ ΔF."""
     for i in range(changes.size):
-        for k in range(4):
-            c, share = columns.place[unknowns[i, k]], 0.5 * changes[i] * rows[i, 0, k]
-            column = columns.values[columns.offset[c] : columns.offset[c + 1]]
-            here = w[columns.first[c] : columns.first[c] + column.size]
-            for m in range(column.size):
-                here[m] += share * column[m]
+        here, column, change = w[first[i] : stop[i]], panel[i, : stop[i] - first[i]], changes[i]
+        for m in range(here.size):
+            here[m] += change * column[m]
 
 
 @njit(cache=True, fastmath={"contract"})
@@ -407,6 +418,7 @@ def integrate(track, train, contact, observation, start, time_step, states):  # 
     u, v, a, w = start.track.copy(), np.zeros(size), np.zeros(size), np.empty(size)
     free, change, predicted = np.empty(wheels), np.empty(wheels), np.empty(wheels)
     receptance, matrix, work = np.empty((orders, wheels, wheels)), np.empty((wheels, wheels)), np.empty((3, 4))
+    first, stop, panel = np.empty(wheels, np.int64), np.empty(wheels, np.int64), np.empty((wheels, size))
     points = np.empty((steps, observation.points.size))
     integrals = np.zeros(observation.supports.size)
     highest, lowest, fastest = np.full(size, -np.inf), np.full(size, np.inf), np.zeros(size)
@@ -426,7 +438,8 @@ def integrate(track, train, contact, observation, start, time_step, states):  # 
             backward(track.upper, track.upper_runs, w)
             _train_without_contact(train, z[before], zv[before], force[before], motions[before], rate, load, half, free)
             _rail_motion(unknowns, rows, contact.irregularity[n], rate, w, (u, v, a), motion, work)
-            _receptances(unknowns, rows, track.columns, rate, receptance, work)
+            _contact_columns(unknowns, rows, track.columns, first, stop, panel)
+            _receptances(unknowns, rows, first, stop, panel, rate, receptance, work)
             for i in range(wheels):
                 change[i] = -predicted[i]
             _force_changes(train, free, motion, receptance, matrix, change)
@@ -435,7 +448,7 @@ def integrate(track, train, contact, observation, start, time_step, states):  # 
                 for d in range(orders):
                     for j in range(wheels):
                         motion[i, d] += receptance[d, i, j] * change[j]
-            _add_columns(unknowns, rows, track.columns, change, w)
+            _add_columns(first, stop, panel, change, w)
             _train_with_contact(train, force[n], motion, rate, load, half, z[before], zv[before], z[n], zv[n])
             if convective or widened:
                 _advance_accelerations(w, rate, v, a)

@@ -46,7 +46,7 @@ class Track(NamedTuple):
 class Contact(NamedTuple):
     """Per time step and wheel: unknowns (t, w, 4) under it, N and its time derivatives (t, w, d, 4), r alike (t, w, d).
 
-    A held unknown is replaced by another one with zeros in its rows.
+    A held unknown is replaced by another one of its element, with zeros in its rows.
     """
 
     unknowns: IntArray
@@ -128,7 +128,7 @@ def make_contact(
     held = unknowns < 0
     rows[np.broadcast_to(held[:, None, :], rows.shape)] = 0.0
     return Contact(
-        np.where(held, 0, unknowns).reshape(*positions.shape, 4),
+        np.where(held, unknowns.max(axis=1, keepdims=True), unknowns).reshape(*positions.shape, 4),
         rows.reshape(*positions.shape, orders, 4),
         irregularity,
     )
