@@ -20,7 +20,7 @@ CRITICAL_SPEED = (4.0 * FOUNDATION * EI / MASS**2) ** 0.25
 
 
 def pinned_beam(length, count):
-    """Nodes, their unknowns (count + 1, 2), unknowns of the elements (count, 4), and the matrices ∫ N″ᵀN″ EI, ∫ NᵀN of a pinned beam by diagonals."""
+    """Nodes, their unknowns (count + 1, 2), those of the elements (count, 4), ∫ N″ᵀN″ EI and ∫ NᵀN of a pinned beam."""
     nodes = np.linspace(0.0, length, count + 1)
     unknowns = np.arange(-1, 2 * count + 1).reshape(count + 1, 2)
     unknowns[-1] = [-1, 2 * count - 1]

@@ -72,7 +72,12 @@ class Run:
 def beam(length, bending, mass):
     """Stiffness and consistent mass of a beam element."""
     l, l2 = length, length**2  # noqa: E741
-    k = [[12, 6 * l, -12, 6 * l], [6 * l, 4 * l2, -6 * l, 2 * l2], [-12, -6 * l, 12, -6 * l], [6 * l, 2 * l2, -6 * l, 4 * l2]]
+    k = [
+        [12, 6 * l, -12, 6 * l],
+        [6 * l, 4 * l2, -6 * l, 2 * l2],
+        [-12, -6 * l, 12, -6 * l],
+        [6 * l, 2 * l2, -6 * l, 4 * l2],
+    ]
     m = [
         [156, 22 * l, 54, -13 * l],
         [22 * l, 4 * l2, 13 * l, -3 * l2],

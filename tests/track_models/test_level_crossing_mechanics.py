@@ -49,7 +49,10 @@ def energy_ledger(parameters):
     rows = contact_matrix(s.contact, u.shape[1])
     slope = rows[1:] - rows[:-1]
     moved = force[:-1, None] * u[1:] + force[1:, None] * u[:-1]
-    drive = -0.5 * slope.multiply(moved).sum() - 0.5 * ((force[1:] + force[:-1]) * np.diff(s.contact.irregularity[:, 0, 0])).sum()
+    drive = (
+        -0.5 * slope.multiply(moved).sum()
+        - 0.5 * ((force[1:] + force[:-1]) * np.diff(s.contact.irregularity[:, 0, 0])).sum()
+    )
     weight = parameters.vehicle.gravity * np.diag(vehicle.mass)
     gravity = float(weight @ (z[-1] - z[0]))
     middle, vehicle_middle = 0.5 * (v[1:] + v[:-1]), 0.5 * (zv[1:] + zv[:-1])

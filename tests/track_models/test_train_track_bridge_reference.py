@@ -100,4 +100,6 @@ def test_one_factorisation_equals_the_coupled_system_at_every_step(name):
         np.testing.assert_allclose(
             fast["sleeper_acceleration_max"], twin.sleeper_acceleration, atol=1e-8 * twin.sleeper_acceleration.max()
         )
-        np.testing.assert_allclose(fast["bridge_deflection_max"][1:-1], -twin.bridge_lowest, atol=1e-8 * np.abs(twin.bridge_lowest).max())
+        np.testing.assert_allclose(
+            fast["bridge_deflection_max"][1:-1], -twin.bridge_lowest, atol=1e-8 * np.abs(twin.bridge_lowest).max()
+        )

@@ -7,18 +7,16 @@ code is kept between runs and renewed only when the file of the function that wa
 import numpy as np
 from numba import njit
 
-# Rows whose sub-diagonals are counted together, and that a product takes together so that they stay in the cache.
+# Rows whose sub-diagonals are counted together.
 BLOCK = 64
-ROWS = 256
 # Sub-diagonals of rows that are substituted with the last results held in registers.
 NARROW = 4
 MIDDLE = 6
 WIDE = 9
 # Columns of the inverse that are computed together.
 LANES = 8
-# Where columns of the inverse are cut off, relative to their largest entry; rows that are looked at together for it.
-NEGLIGIBLE = 1e-8
-STRETCH = 16
+# Rows that are looked at together when a column of the inverse is cut off.
+STRETCH = 32
 
 
 @njit(cache=True, fastmath={"contract"})
@@ -116,22 +114,20 @@ def backward(upper, runs, x):  # type: ignore[no-untyped-def]
 @njit(cache=True, fastmath={"contract"})
 def add_products(first, second, starts, stops, x, z, y):  # type: ignore[no-untyped-def]
     """y += A x + B z for two symmetric banded matrices that share the `diagonal_ranges` of their sum."""
-    for begin in range(0, y.size, ROWS):
-        for k in range(first.shape[0]):
-            start, stop = max(begin, starts[k]), min(begin + ROWS, stops[k])
-            if start < stop:
-                a, b = first[k, start:stop], second[k, start:stop]
-                x_here, z_here, y_here = x[start:stop], z[start:stop], y[start:stop]
-                x_near, z_near, y_near = x[start - k : stop - k], z[start - k : stop - k], y[start - k : stop - k]
-                for i in range(stop - start):
-                    y_here[i] += a[i] * x_near[i] + b[i] * z_near[i]
-                if k > 0:
-                    for i in range(stop - start):
-                        y_near[i] += a[i] * x_here[i] + b[i] * z_here[i]
+    for k in range(first.shape[0]):
+        start, stop = starts[k], stops[k]
+        a, b = first[k, start:stop], second[k, start:stop]
+        x_here, z_here, y_here = x[start:stop], z[start:stop], y[start:stop]
+        x_near, z_near, y_near = x[start - k : stop - k], z[start - k : stop - k], y[start - k : stop - k]
+        for i in range(stop - start):
+            y_here[i] += a[i] * x_near[i] + b[i] * z_near[i]
+        if k > 0:
+            for i in range(stop - start):
+                y_near[i] += a[i] * x_here[i] + b[i] * z_here[i]
 
 
 @njit(cache=True, fastmath={"contract"})
-def _forward_panel(lower, widths, unknowns, x):  # type: ignore[no-untyped-def]
+def _forward_panel(lower, widths, unknowns, negligible, x):  # type: ignore[no-untyped-def]
     """Columns D⁻¹ L⁻¹ e_k (n, LANES) of some neighbouring unknowns k down to where they have decayed; one past that row."""
     start, largest = unknowns[0], 0.0
     x[max(0, start - lower.shape[0]) : start] = 0.0
@@ -150,7 +146,7 @@ def _forward_panel(lower, widths, unknowns, x):  # type: ignore[no-untyped-def]
             for lane in range(LANES):
                 block = max(block, abs(x[i, lane] * lower[0, i]))
         largest = max(largest, block)
-        if begin > unknowns[-1] and block <= NEGLIGIBLE * largest:
+        if begin > unknowns[-1] and block <= negligible * largest:
             break
     for i in range(start, stop):
         x[i] *= lower[0, i]
@@ -158,7 +154,7 @@ def _forward_panel(lower, widths, unknowns, x):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, fastmath={"contract"})
-def _backward_panel(lower, widths, first, stop, x):  # type: ignore[no-untyped-def]
+def _backward_panel(lower, widths, first, stop, negligible, x):  # type: ignore[no-untyped-def]
     """Columns A⁻¹ e_k of `_forward_panel`'s up to where they have decayed above the `first` unknown; that row."""
     start, largest = stop, 0.0
     while start > 0:
@@ -173,25 +169,25 @@ def _backward_panel(lower, widths, first, stop, x):  # type: ignore[no-untyped-d
             for lane in range(LANES):
                 block = max(block, abs(x[i, lane]))
         largest = max(largest, block)
-        if start < first and block <= NEGLIGIBLE * largest:
+        if start < first and block <= negligible * largest:
             break
     return start
 
 
 @njit(cache=True)
-def inverse_columns(lower, widths, unknowns):  # type: ignore[no-untyped-def]
-    """Columns A⁻¹ e_k of some unknowns k (r,), ascending, cut off where they have decayed; `widths` as of `block_widths`.
+def inverse_columns(lower, widths, unknowns, negligible):  # type: ignore[no-untyped-def]
+    """Columns A⁻¹ e_k of some unknowns k (r,), ascending, cut off where they are `negligible` relative to their largest.
 
-    Returns the place of each unknown's column (n,), the first row of each column (r,), where it starts in the values
-    (r + 1,), and the values of all columns one after the other.
+    `widths` as of `block_widths`. Returns the place of each unknown's column (n,), the first row of each column (r,),
+    where it starts in the values (r + 1,), and the values of all columns one after the other.
     """
     place, first = np.zeros(lower.shape[1], dtype=np.int64), np.zeros(unknowns.size, dtype=np.int64)
     offset = np.zeros(unknowns.size + 1, dtype=np.int64)
     values, x = np.empty(512 * unknowns.size), np.zeros((lower.shape[1], LANES))
     for begin in range(0, unknowns.size, LANES):
         panel = unknowns[begin : begin + LANES]
-        stop = _forward_panel(lower, widths, panel, x)
-        start = _backward_panel(lower, widths, panel[0], stop, x)
+        stop = _forward_panel(lower, widths, panel, negligible, x)
+        start = _backward_panel(lower, widths, panel[0], stop, negligible, x)
         rows = stop - start
         while offset[begin] + panel.size * rows > values.size:
             values = np.concatenate((values, np.empty(values.size)))

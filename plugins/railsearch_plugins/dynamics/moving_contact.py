@@ -33,6 +33,8 @@ from railsearch_plugins.dynamics.vehicles import Vehicle, at_rest, prepare_vehic
 
 NONE = np.empty(0, dtype=np.int64)
 NEVER = np.iinfo(np.int64).max
+# Where columns of A⁻¹ are cut off, by the orders of the contact: the force of a rigid wheel is harder to extrapolate.
+NEGLIGIBLE = {1: 1e-7, 3: 1e-9}
 
 
 class Track(NamedTuple):
@@ -178,7 +180,14 @@ def _prepare_track(track: Track, contact: Contact, time_step: float) -> TrackSte
     newmark = (2.0 / time_step) * (scaled_mass + track.damping) + track.stiffness
     lower = factorise(newmark)
     upper = mirrored(lower)
-    columns = Columns(*inverse_columns(lower, block_widths(lower), np.unique(contact.unknowns)))
+    columns = Columns(*inverse_columns(lower, block_widths(lower), _touched(contact), NEGLIGIBLE[contact.rows.shape[2]]))
     return TrackStep(
         lower, upper, runs(lower), runs(upper), scaled_mass, -track.stiffness, *diagonal_ranges(newmark), columns
     )
+
+
+def _touched(contact: Contact) -> IntArray:
+    """The unknowns that a wheel touches at some step, ascending."""
+    touched = np.zeros(int(contact.unknowns.max()) + 1, dtype=bool)
+    touched[contact.unknowns] = True
+    return np.flatnonzero(touched)

@@ -31,7 +31,7 @@ RIGID = float("inf")
 
 
 class Vehicle(NamedTuple):
-    """Matrices (p, p) of bodies and wheels, the wheels last; static loads (w,) in N and contact stiffness in N/m or RIGID."""
+    """Matrices (p, p) of bodies and wheels, the wheels last; static loads (w,) in N; contact stiffness in N/m or RIGID."""
 
     mass: FloatArray
     damping: FloatArray

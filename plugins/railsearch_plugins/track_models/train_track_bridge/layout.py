@@ -85,7 +85,7 @@ def first_axle(parameters: TrainTrackBridgeParameters) -> tuple[FloatArray, floa
     start, end = run_of_first_axle(parameters)
     duration = (end - start) / parameters.speed
     steps = math.ceil(duration / parameters.time_step - ROUNDING)
-    return start + (end - start) / steps * np.arange(steps + 1), duration / steps
+    return np.asarray(start + (end - start) / steps * np.arange(steps + 1)), duration / steps
 
 
 def make_layout(parameters: TrainTrackBridgeParameters) -> Layout:
@@ -99,10 +99,10 @@ def make_layout(parameters: TrainTrackBridgeParameters) -> Layout:
     numbers = np.arange(first, last + 1)
     return Layout(
         element,
-        element * np.arange(first * parts, last * parts + 1),
-        spacing * numbers,
+        np.asarray(element * np.arange(first * parts, last * parts + 1)),
+        np.asarray(spacing * numbers),
         (numbers - first) * parts,
-        element * np.arange(round(parameters.bridge_length / element) + 1),
+        np.asarray(element * np.arange(round(parameters.bridge_length / element) + 1)),
     )
 
 

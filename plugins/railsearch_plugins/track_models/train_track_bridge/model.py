@@ -59,7 +59,10 @@ class TrainTrackBridge:
         SimulationError if the solution diverges.
         """
         sound = checked(parameters)
-        from railsearch_plugins.track_models.train_track_bridge import measures, passage  # compiled kernels, loaded when used
+        from railsearch_plugins.track_models.train_track_bridge import (
+            measures,
+            passage,
+        )  # compiled kernels, loaded when used
 
         simulated = passage.simulate_passage(sound)
         series = measures.make_histories(simulated)

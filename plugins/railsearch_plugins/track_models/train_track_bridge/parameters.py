@@ -102,9 +102,7 @@ class TrainTrackBridgeParameters:
         0.0, unit="N s/m", meaning="between neighbouring ballast masses; 8.0e4 in the source", source=ZHAI, minimum=0.0
     )
     subballast_stiffness: float = parameter(77.5e6, unit="N/m", meaning="ballast mass to ground", source=CODE, above=0.0)
-    subballast_damping: float = parameter(
-        3.115e4, unit="N s/m", meaning="ballast mass to ground", source=CODE, minimum=0.0
-    )
+    subballast_damping: float = parameter(3.115e4, unit="N s/m", meaning="ballast mass to ground", source=CODE, minimum=0.0)
     irregularity_spectrum: str = parameter(
         "german",
         meaning="spectrum of a generated profile",
@@ -167,7 +165,9 @@ class TrainTrackBridgeParameters:
     time_step: float = parameter(
         1e-3, unit="s", meaning="largest time step; the run is divided into whole steps", source=CODE, above=0.0
     )
-    elements_per_spacing: int = parameter(2, meaning="beam elements per sleeper distance", source=CODE, minimum=1, maximum=64)
+    elements_per_spacing: int = parameter(
+        2, meaning="beam elements per sleeper distance", source=CODE, minimum=1, maximum=64
+    )
     sleeper_range: str = parameter(
         PASS_BY,
         meaning="A_s over sleepers within sleeper_margin of the bridge, or over all sleepers and from the start",
