@@ -15,7 +15,10 @@ from railsearch_plugins.track_models.train_track_bridge.parameters import Vehicl
 NOT_ALLOWED = [
     ({"bridge_length": 0.2}, "bridge_length: the span must hold at least one element of 0.3 m, received 0.2 m; lengthen"),
     ({"bridge_length": -1.0}, "bridge_length: allowed is > 0, received -1.0 m"),
-    ({"speed": 400.0}, "speed: the speed must stay below the critical speed of the track, 219"),
+    (
+        {"speed": 400.0},
+        "speed: the speed must stay below the critical speed of the track, 220.0 m/s (792 km/h), received 400 m/s",
+    ),
     ({"speed": 0.0}, "speed: allowed is > 0"),
     ({"speed": float("nan")}, "speed: a finite number"),
     ({"pad_damping": -1.0}, "pad_damping: allowed is ≥ 0, received -1.0 N s/m"),
@@ -92,7 +95,7 @@ def test_default_run_is_measured_on_approach_bridge_and_departure():
 def test_given_ballast_replaces_the_cone():
     cone = TrainTrackBridge().simulate(short_bridge()).metrics
     given = short_bridge(ballast_mass=443.43503123934096, ballast_stiffness=130384041.60657689, ballast_depth=0.3)
-    assert TrainTrackBridge().simulate(given).metrics == pytest.approx(cone, rel=1e-9)
+    assert TrainTrackBridge().simulate(given).metrics == pytest.approx(cone, rel=1e-7)
 
 
 def test_a_diverging_simulation_is_an_error_of_the_simulation():

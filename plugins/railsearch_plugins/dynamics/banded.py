@@ -9,8 +9,9 @@ U       L as seen from the far end: Lᵀ x = y is a forward      (b + 1, n)  -
         substitution with U on the reversed vectors
 
 The envelope of A is that of L (George & Liu 1981, sec. 4.2): rows of L are as short as those of A. Rows with at most
-NARROW sub-diagonals (a beam with single masses under it), MIDDLE ones (a beam over another one) or WIDE ones (one over
-a joint of the other) are substituted with the last results held in registers: what limits a substitution is the wait for the row before.
+NARROW sub-diagonals (a beam with single masses under it), MIDDLE (a beam over another one) or WIDE ones (one over a joint
+of the other) are substituted with the last results held in registers: what limits a substitution is the wait for the row
+before.
 """
 
 from collections.abc import Iterable, Sequence
