@@ -14,7 +14,7 @@ NARROW = 4
 MIDDLE = 6
 WIDE = 9
 # Columns of the inverse that are computed together.
-LANES = 8
+LANES = 16
 # Rows that are looked at together when a column of the inverse is cut off.
 STRETCH = 32
 
