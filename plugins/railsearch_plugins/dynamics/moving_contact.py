@@ -34,7 +34,7 @@ from railsearch_plugins.dynamics.vehicles import Vehicle, at_rest, prepare_vehic
 NONE = np.empty(0, dtype=np.int64)
 NEVER = np.iinfo(np.int64).max
 # Where columns of A⁻¹ are cut off, by the orders of the contact: the force of a rigid wheel is harder to extrapolate.
-NEGLIGIBLE = {1: 1e-7, 3: 1e-10}
+NEGLIGIBLE = {1: 1e-9, 3: 1e-10}
 
 
 class Track(NamedTuple):
