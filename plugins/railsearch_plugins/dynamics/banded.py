@@ -91,11 +91,3 @@ def mirrored(lower: FloatArray) -> FloatArray:
     for k in range(1, min(lower.shape)):
         upper[k, k:] = lower[k, k:][::-1]
     return upper
-
-
-def diagonal_ranges(band: FloatArray) -> tuple[IntArray, IntArray]:
-    """First row and one past the last row (b + 1,) in which each lower diagonal has an entry; k, k where it has none."""
-    used = [np.flatnonzero(diagonal) for diagonal in band]
-    starts = [int(rows[0]) if rows.size else k for k, rows in enumerate(used)]
-    stops = [int(rows[-1]) + 1 if rows.size else k for k, rows in enumerate(used)]
-    return np.array(starts), np.array(stops)

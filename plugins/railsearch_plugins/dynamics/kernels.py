@@ -112,18 +112,65 @@ def backward(upper, runs, x):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, fastmath={"contract"})
-def add_products(first, second, starts, stops, x, z, y):  # type: ignore[no-untyped-def]
-    """y += A x + B z for two symmetric banded matrices that share the `diagonal_ranges` of their sum."""
-    for k in range(first.shape[0]):
-        start, stop = starts[k], stops[k]
-        a, b = first[k, start:stop], second[k, start:stop]
-        x_here, z_here, y_here = x[start:stop], z[start:stop], y[start:stop]
-        x_near, z_near, y_near = x[start - k : stop - k], z[start - k : stop - k], y[start - k : stop - k]
-        for i in range(stop - start):
-            y_here[i] += a[i] * x_near[i] + b[i] * z_near[i]
-        if k > 0:
-            for i in range(stop - start):
-                y_near[i] += a[i] * x_here[i] + b[i] * z_here[i]
+def _wide_product(c, width, x, h, y):  # type: ignore[no-untyped-def]
+    """y = s y + d h + B x for the rows of a block; x starts `width` rows before them.
+
+    c: s, d, the main diagonal of B, and what is 1, 2, … `width` to its left and right; BLOCK values of each in turn.
+    """
+    for lane in range(y.size):
+        y[lane] = c[lane] * y[lane] + c[BLOCK + lane] * h[lane] + c[2 * BLOCK + lane] * x[width + lane]
+    for k in range(1, width + 1):
+        left, right = c[(2 * k + 1) * BLOCK : (2 * k + 2) * BLOCK], c[(2 * k + 2) * BLOCK : (2 * k + 3) * BLOCK]
+        before, after = x[width - k : width - k + y.size], x[width + k : width + k + y.size]
+        for lane in range(y.size):
+            y[lane] += left[lane] * before[lane] + right[lane] * after[lane]
+
+
+@njit(cache=True, fastmath={"contract"})
+def _narrow_product(c, x, h, y):  # type: ignore[no-untyped-def]
+    """As `_wide_product` for NARROW diagonals on either side."""
+    for lane in range(y.size):
+        # Sums of their own, so that one need not wait for the other.
+        y[lane] = (
+            (c[lane] * y[lane] + c[BLOCK + lane] * h[lane] + c[2 * BLOCK + lane] * x[lane + 4])
+            + (c[3 * BLOCK + lane] * x[lane + 3] + c[4 * BLOCK + lane] * x[lane + 5] + c[5 * BLOCK + lane] * x[lane + 2])
+            + (c[6 * BLOCK + lane] * x[lane + 6] + c[7 * BLOCK + lane] * x[lane + 1] + c[8 * BLOCK + lane] * x[lane + 7])
+            + (c[9 * BLOCK + lane] * x[lane] + c[10 * BLOCK + lane] * x[lane + 8])
+        )
+
+
+@njit(cache=True, fastmath={"contract"})
+def _middle_product(c, x, h, y):  # type: ignore[no-untyped-def]
+    """As `_wide_product` for MIDDLE diagonals on either side."""
+    for lane in range(y.size):
+        # Sums of their own, so that one need not wait for the other.
+        y[lane] = (
+            (c[lane] * y[lane] + c[BLOCK + lane] * h[lane] + c[2 * BLOCK + lane] * x[lane + 6])
+            + (c[3 * BLOCK + lane] * x[lane + 5] + c[4 * BLOCK + lane] * x[lane + 7] + c[5 * BLOCK + lane] * x[lane + 4])
+            + (c[6 * BLOCK + lane] * x[lane + 8] + c[7 * BLOCK + lane] * x[lane + 3] + c[8 * BLOCK + lane] * x[lane + 9])
+            + (c[9 * BLOCK + lane] * x[lane + 2] + c[10 * BLOCK + lane] * x[lane + 10] + c[11 * BLOCK + lane] * x[lane + 1])
+            + (c[12 * BLOCK + lane] * x[lane + 11] + c[13 * BLOCK + lane] * x[lane] + c[14 * BLOCK + lane] * x[lane + 12])
+        )
+
+
+@njit(cache=True, fastmath={"contract"})
+def next_known(recursion, x, h, y):  # type: ignore[no-untyped-def]
+    """y = s y + D h + B x of a `Recursion`; x has as many zeros before and after it as B has diagonals on a side."""
+    most = (recursion.blocks.shape[1] // BLOCK - 3) // 2
+    for b in range(recursion.widths.size):
+        start, width = b * BLOCK, recursion.widths[b]
+        stop = min(start + BLOCK, y.size)
+        near = x[start + most - width : stop + most + width]
+        if width == NARROW:
+            _narrow_product(recursion.blocks[b], near, h[start:stop], y[start:stop])
+        elif width == MIDDLE:
+            _middle_product(recursion.blocks[b], near, h[start:stop], y[start:stop])
+        else:
+            _wide_product(recursion.blocks[b], width, near, h[start:stop], y[start:stop])
+    for p in range(recursion.pairs.shape[0]):
+        i, j = recursion.pairs[p, 0], recursion.pairs[p, 1]
+        y[i] += recursion.couplings[p, 0] * h[j]
+        y[j] += recursion.couplings[p, 1] * h[i]
 
 
 @njit(cache=True, fastmath={"contract"})
@@ -144,7 +191,7 @@ def _forward_panel(lower, widths, unknowns, negligible, x):  # type: ignore[no-u
                     x[i, lane] -= lower[k, i] * x[i - k, lane]
         for i in range(begin, stop):
             for lane in range(LANES):
-                block = max(block, abs(x[i, lane] * lower[0, i]))
+                block = max(block, abs(x[i, lane]))
         largest = max(largest, block)
         if begin > unknowns[-1] and block <= negligible * largest:
             break
@@ -167,7 +214,7 @@ def _backward_panel(lower, widths, first, stop, negligible, x):  # type: ignore[
                     x[i, lane] -= lower[k, i + k] * x[i + k, lane]
         for i in range(start, end):
             for lane in range(LANES):
-                block = max(block, abs(x[i, lane]))
+                block = max(block, abs(x[i, lane] / lower[0, i]))
         largest = max(largest, block)
         if start < first and block <= negligible * largest:
             break
@@ -176,8 +223,9 @@ def _backward_panel(lower, widths, first, stop, negligible, x):  # type: ignore[
 
 @njit(cache=True)
 def inverse_columns(lower, widths, unknowns, negligible):  # type: ignore[no-untyped-def]
-    """Columns A⁻¹ e_k of some unknowns k (r,), ascending, cut off where they are `negligible` relative to their largest.
+    """Columns A⁻¹ e_k of some unknowns k (r,), ascending, cut off where the forces D Lᵀ x of a stretch are `negligible`.
 
+    The measure is a force because light and heavy unknowns alternate: what moves little may resist much.
     `widths` as of `block_widths`. Returns the place of each unknown's column (n,), the first row of each column (r,),
     where it starts in the values (r + 1,), and the values of all columns one after the other.
     """
@@ -199,11 +247,20 @@ def inverse_columns(lower, widths, unknowns, negligible):  # type: ignore[no-unt
 
 
 @njit(cache=True, fastmath={"contract"})
-def _add_forces(unknowns, rows, share, forces, y):  # type: ignore[no-untyped-def]
-    """y += share · Nᵀ F of all wheels."""
+def _add_forces(unknowns, rows, forces, y):  # type: ignore[no-untyped-def]
+    """y += ½ Nᵀ F of all wheels."""
     for i in range(forces.size):
         for k in range(4):
-            y[unknowns[i, k]] += share * forces[i] * rows[i, 0, k]
+            y[unknowns[i, k]] += 0.5 * rows[i, 0, k] * forces[i]
+
+
+@njit(cache=True, fastmath={"contract"})
+def _add_known_forces(unknowns, rows, retained, forces, y):  # type: ignore[no-untyped-def]
+    """y += (s − 1) ½ Nᵀ F of all wheels: what forces of a step leave in what is known at its end."""
+    for i in range(forces.size):
+        for k in range(4):
+            j = unknowns[i, k]
+            y[j] += 0.5 * (retained[j] - 1.0) * rows[i, 0, k] * forces[i]
 
 
 @njit(cache=True, fastmath={"contract"})
@@ -304,7 +361,7 @@ def _force_changes(train, free, motion, receptance, matrix, change):  # type: ig
         matrix[i, :] = 0.0
         matrix[i, i] = 1.0
         for d in range(receptance.shape[0]):
-            for m in range(count):
+            for m in range(train.wheel_spans[i, 2], train.wheel_spans[i, 3]):
                 impedance = train.impedance[d, i, m]
                 if impedance != 0.0:
                     change[i] -= impedance * motion[m, d]
@@ -326,7 +383,7 @@ def _add_columns(first, stop, panel, changes, w):  # type: ignore[no-untyped-def
 def _add_inputs(train, forces, motion, share, load):  # type: ignore[no-untyped-def]
     """load += share (E_F F + E_0 y + E_1 ẏ)."""
     for i in range(load.size):
-        for j in range(forces.size):
+        for j in range(train.body_spans[i, 2], train.body_spans[i, 3]):
             load[i] += share * (train.by_force[i, j] * forces[j] + train.by_position[i, j] * motion[j, 0])
             if motion.shape[1] > 1:
                 load[i] += share * train.by_velocity[i, j] * motion[j, 1]
@@ -337,16 +394,16 @@ def _train_without_contact(train, z, zv, forces, motion, rate, load, half, free)
     """Half the increment of the vehicles with no input at the end of the step, and the forces F⁰ that go with it."""
     for i in range(load.size):
         load[i] = train.load[i]
-        for j in range(load.size):
+        for j in range(train.body_spans[i, 0], train.body_spans[i, 1]):
             load[i] += train.scaled_mass[i, j] * zv[j] - train.stiffness[i, j] * z[j]
     _add_inputs(train, forces, motion, 0.5, load)
     for i in range(load.size):
         half[i] = 0.0
-        for j in range(load.size):
+        for j in range(train.body_spans[i, 0], train.body_spans[i, 1]):
             half[i] += train.compliance[i, j] * load[j]
     for w in range(free.size):
         free[w] = train.base_force[w]
-        for i in range(load.size):
+        for i in range(train.wheel_spans[w, 0], train.wheel_spans[w, 1]):
             free[w] += train.from_displacement[w, i] * (z[i] + 2.0 * half[i])
             free[w] += train.from_velocity[w, i] * (rate * half[i] - zv[i])
 
@@ -358,7 +415,7 @@ def _train_with_contact(train, forces, motion, rate, load, half, z, zv, new_z, n
     _add_inputs(train, forces, motion, 0.5, load)
     for i in range(load.size):
         w = half[i]
-        for j in range(load.size):
+        for j in range(train.body_spans[i, 0], train.body_spans[i, 1]):
             w += train.compliance[i, j] * load[j]
         new_z[i] = z[i] + 2.0 * w
         new_zv[i] = rate * w - zv[i]
@@ -370,6 +427,13 @@ def _advance(w, rate, u, v):  # type: ignore[no-untyped-def]
     for i in range(w.size):
         u[i] += 2.0 * w[i]
         v[i] = rate * w[i] - v[i]
+
+
+@njit(cache=True, fastmath={"contract"})
+def _combine(v, proportional, w, x):  # type: ignore[no-untyped-def]
+    """x = v + e w."""
+    for i in range(w.size):
+        x[i] = v[i] + proportional[i] * w[i]
 
 
 @njit(cache=True, fastmath={"contract"})
@@ -412,6 +476,9 @@ def integrate(track, train, contact, observation, start, time_step, states):  # 
     force, motions = np.empty((steps, wheels)), np.zeros((steps, wheels, orders))
     z, zv, half, load = np.empty((steps, parts)), np.zeros((steps, parts)), np.empty(parts), np.empty(parts)
     u, v, a, w = start.track.copy(), np.zeros(size), np.zeros(size), np.empty(size)
+    recursion, known = track.recursion, start.known.copy()
+    most = (recursion.blocks.shape[1] // BLOCK - 3) // 2
+    x = np.zeros(size + 2 * most)
     free, change, predicted = np.empty(wheels), np.empty(wheels), np.empty(wheels)
     receptance, matrix, work = np.empty((orders, wheels, wheels)), np.empty((wheels, wheels)), np.empty((3, 4))
     first, stop, panel = np.empty(wheels, np.int64), np.empty(wheels, np.int64), np.empty((wheels, size))
@@ -426,10 +493,9 @@ def integrate(track, train, contact, observation, start, time_step, states):  # 
         if n > 0:
             before, motion = n - 1, motions[n]
             _extrapolated(force, n, predicted)
-            w[:] = 0.0
-            add_products(track.scaled_mass, track.minus_stiffness, track.starts, track.stops, v, u, w)
-            _add_forces(contact.unknowns[before], contact.rows[before], 0.5, force[before], w)
-            _add_forces(unknowns, rows, 0.5, predicted, w)
+            w[:] = known
+            _add_forces(contact.unknowns[before], contact.rows[before], force[before], w)
+            _add_forces(unknowns, rows, predicted, w)
             forward(track.lower, track.lower_runs, w)
             backward(track.upper, track.upper_runs, w)
             _train_without_contact(train, z[before], zv[before], force[before], motions[before], rate, load, half, free)
@@ -449,6 +515,10 @@ def integrate(track, train, contact, observation, start, time_step, states):  # 
             if convective or widened:
                 _advance_accelerations(w, rate, v, a)
             _advance(w, rate, u, v)
+            _combine(v, recursion.proportional, w, x[most : most + size])
+            next_known(recursion, x, w, known)
+            _add_known_forces(contact.unknowns[before], contact.rows[before], recursion.retained, force[before], known)
+            _add_known_forces(unknowns, rows, recursion.retained, force[n], known)
             _add_squares(0.5 * time_step if n == steps - 1 else time_step, v, observation.supports, integrals)
         if n >= observation.extremes_from:
             _widen(u, a, highest, lowest, fastest)

@@ -12,9 +12,9 @@ A         4 M/dt² + 2 C/dt + K = L D Lᵀ                                  (b +
 h         half the increment of displacement in a step                   (n,)         m
 G         receptances: y, ẏ, ÿ at the end of a step by F there           (3, w, w)    m/N, …
 
-With β = 1/4 and γ = 1/2 two successive equations of motion, averaged, give A h = (f_n + f_{n+1})/2 + (2/dt) M v_n − K u_n,
-u_{n+1} = u_n + 2 h, v_{n+1} = 4 h/dt − v_n, where f = Nᵀ F. It is Newmark's method itself; a_{n+1} = (2/dt)(v_{n+1} − v_n)
-− a_n is computed where it is needed. N moves with the wheel, and so a rigid contact has
+With β = 1/4 and γ = 1/2 two successive equations of motion, averaged, give A h = (f_n + f_{n+1})/2 + g_n, f = Nᵀ F and
+g = (2/dt) M v − K u, u_{n+1} = u_n + 2 h, v_{n+1} = 4 h/dt − v_n; `newmark` says how g is carried on. It is Newmark's method
+itself; a_{n+1} = (2/dt)(v_{n+1} − v_n) − a_n is computed where needed. N moves with the wheel, and so a rigid contact has
 
     y = N u + r,   ẏ = N v + Ṅ u + ṙ,   ÿ = N a + 2 Ṅ v + N̈ u + r̈,   Ṅ = dN/dt = (speed) N′.
 
@@ -26,23 +26,26 @@ from typing import NamedTuple
 
 import numpy as np
 
-from railsearch_plugins.dynamics.banded import block_widths, diagonal_ranges, mirrored, runs
+from railsearch_plugins.dynamics.banded import block_widths, mirrored, runs
 from railsearch_plugins.dynamics.beam import FloatArray, IntArray, find, hermite
 from railsearch_plugins.dynamics.kernels import backward, factorise, forward, integrate, inverse_columns
+from railsearch_plugins.dynamics.newmark import Recursion, recursion
 from railsearch_plugins.dynamics.vehicles import Vehicle, at_rest, prepare_vehicle
 
 NONE = np.empty(0, dtype=np.int64)
 NEVER = np.iinfo(np.int64).max
-# Where columns of A⁻¹ are cut off, by the orders of the contact: the force of a rigid wheel is harder to extrapolate.
-NEGLIGIBLE = {1: 1e-9, 3: 1e-10}
+# Where columns of A⁻¹ are cut off, as the force that would hold what is left out relative to the largest one. They carry the
+# error of an extrapolated force, 1e-3 of it and less: metrics change by 2e-9 and less.
+NEGLIGIBLE = 1e-7
 
 
 class Track(NamedTuple):
-    """Track matrices by lower diagonals (b + 1, n)."""
+    """Track matrices by lower diagonals (b + 1, n); Rayleigh's factors by unknown (2, n), see `newmark`: they save time."""
 
     mass: FloatArray
     damping: FloatArray
     stiffness: FloatArray
+    rayleigh: FloatArray | None = None
 
 
 class Contact(NamedTuple):
@@ -94,23 +97,21 @@ class Columns(NamedTuple):
 
 
 class TrackStep(NamedTuple):
-    """What a step needs of the track: factors of A, their runs, (2/dt) M, −K, the ranges of their diagonals, columns."""
+    """What a step needs of the track: factors of A, their runs, what carries g on, columns."""
 
     lower: FloatArray
     upper: FloatArray
     lower_runs: IntArray
     upper_runs: IntArray
-    scaled_mass: FloatArray
-    minus_stiffness: FloatArray
-    starts: IntArray
-    stops: IntArray
+    recursion: Recursion
     columns: Columns
 
 
 class Start(NamedTuple):
-    """Static equilibrium: track (n,), integrated vehicle unknowns (q,), y (w,), F (w,)."""
+    """Static equilibrium: track (n,), g = −K u (n,), integrated vehicle unknowns (q,), y (w,), F (w,)."""
 
     track: FloatArray
+    known: FloatArray
     train: FloatArray
     wheel: FloatArray
     force: FloatArray
@@ -125,12 +126,15 @@ def make_contact(
     """
     element, offset, length = find(nodes, positions.ravel())
     orders = irregularity.shape[2]
-    rows = np.stack([speed**order * hermite(offset, length, order) for order in range(orders)], axis=1)
-    unknowns = np.concatenate([rail[element], rail[element + 1]], axis=1)
-    held = unknowns < 0
-    rows[np.broadcast_to(held[:, None, :], rows.shape)] = 0.0
+    rows = np.empty((element.size, orders, 4))
+    for order in range(orders):
+        rows[:, order] = speed**order * hermite(offset, length, order)
+    unknowns = np.concatenate([rail[:-1], rail[1:]], axis=1)[element]
+    held = np.flatnonzero((unknowns < 0).any(axis=1))
+    rows[held] *= (unknowns[held] >= 0)[:, None, :]
+    unknowns[held] = np.where(unknowns[held] < 0, unknowns[held].max(axis=1, keepdims=True), unknowns[held])
     return Contact(
-        np.where(held, unknowns.max(axis=1, keepdims=True), unknowns).reshape(*positions.shape, 4),
+        unknowns.reshape(*positions.shape, 4),
         rows.reshape(*positions.shape, orders, 4),
         irregularity,
     )
@@ -172,18 +176,16 @@ def _static_equilibrium(track: Track, vehicle: Vehicle, contact: Contact) -> Sta
     on_rail = np.einsum("wk,wk->w", rows, displacement[unknowns]) + contact.irregularity[0, :, 0]
     resting = at_rest(vehicle, on_rail + vehicle.static_load / vehicle.contact_stiffness)
     integrated = resting.size - (on_rail.size if np.isinf(vehicle.contact_stiffness) else 0)
-    return Start(displacement, resting[:integrated], on_rail, vehicle.static_load)
+    return Start(displacement, -load, resting[:integrated], on_rail, vehicle.static_load)
 
 
 def _prepare_track(track: Track, contact: Contact, time_step: float) -> TrackStep:
-    scaled_mass = (2.0 / time_step) * track.mass
-    newmark = (2.0 / time_step) * (scaled_mass + track.damping) + track.stiffness
+    newmark = (2.0 / time_step) * ((2.0 / time_step) * track.mass + track.damping) + track.stiffness
     lower = factorise(newmark)
     upper = mirrored(lower)
-    columns = Columns(*inverse_columns(lower, block_widths(lower), _touched(contact), NEGLIGIBLE[contact.rows.shape[2]]))
-    return TrackStep(
-        lower, upper, runs(lower), runs(upper), scaled_mass, -track.stiffness, *diagonal_ranges(newmark), columns
-    )
+    columns = Columns(*inverse_columns(lower, block_widths(lower), _touched(contact), NEGLIGIBLE))
+    carried = recursion(track.mass, track.damping, newmark, track.rayleigh, time_step)
+    return TrackStep(lower, upper, runs(lower), runs(upper), carried, columns)
 
 
 def _touched(contact: Contact) -> IntArray:

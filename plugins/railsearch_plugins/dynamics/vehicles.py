@@ -25,9 +25,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from railsearch_plugins.dynamics.beam import FloatArray, outer
+from railsearch_plugins.dynamics.beam import FloatArray, IntArray, outer
 
 RIGID = float("inf")
+NONE = np.empty((0, 4), dtype=np.int64)
 
 
 class Vehicle(NamedTuple):
@@ -41,7 +42,11 @@ class Vehicle(NamedTuple):
 
 
 class VehicleStep(NamedTuple):
-    """What a step needs of the vehicles: A_v⁻¹, (2/dt) M, K (q, q), constant load (q,), E (q, w), F_base (w,), H, Z."""
+    """What a step needs of the vehicles: A_v⁻¹, (2/dt) M, K (q, q), constant load (q,), E (q, w), F_base (w,), H, Z.
+
+    Vehicles do not feel one another: what is integrated and the wheels depend on bodies from, to and wheels from, to, one
+    past the last, (q, 4) and (w, 4).
+    """
 
     compliance: FloatArray
     scaled_mass: FloatArray
@@ -54,6 +59,8 @@ class VehicleStep(NamedTuple):
     from_displacement: FloatArray
     from_velocity: FloatArray
     impedance: FloatArray
+    body_spans: IntArray = NONE
+    wheel_spans: IntArray = NONE
 
 
 def multibody(
@@ -85,8 +92,26 @@ def at_rest(vehicle: Vehicle, wheel: FloatArray) -> FloatArray:
 
 def prepare_vehicle(vehicle: Vehicle, time_step: float) -> VehicleStep:
     """The matrices of a Newmark step of `time_step` in s; the contact is rigid if its stiffness is RIGID."""
-    arrays = _rigid(vehicle, time_step) if np.isinf(vehicle.contact_stiffness) else _hertz(vehicle, time_step)
-    return VehicleStep(*(np.ascontiguousarray(array) for array in arrays))
+    step = _rigid(vehicle, time_step) if np.isinf(vehicle.contact_stiffness) else _hertz(vehicle, time_step)
+    reached = step._replace(
+        body_spans=np.concatenate(
+            [
+                _spans(step.compliance, step.scaled_mass, step.stiffness),
+                _spans(step.by_force, step.by_position, step.by_velocity),
+            ],
+            axis=1,
+        ),
+        wheel_spans=np.concatenate([_spans(step.from_displacement, step.from_velocity), _spans(*step.impedance)], axis=1),
+    )
+    return VehicleStep._make(np.ascontiguousarray(array) for array in reached)
+
+
+def _spans(*matrices: FloatArray) -> IntArray:
+    """First and one past the last column (r, 2) in which a row of any of the matrices (r, c) has an entry; c, 0 if in none."""
+    used = np.any([matrix != 0.0 for matrix in matrices], axis=0)
+    columns = np.arange(used.shape[1])
+    first = np.where(used, columns, columns.size).min(axis=1, initial=columns.size)
+    return np.stack([first, np.where(used, columns + 1, 0).max(axis=1, initial=0)], axis=1)
 
 
 def _compliance(mass: FloatArray, damping: FloatArray, stiffness: FloatArray, time_step: float) -> FloatArray:

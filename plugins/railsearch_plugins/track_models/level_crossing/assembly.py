@@ -70,6 +70,21 @@ def pad_values(parameters: LevelCrossingParameters, sleepers: Sleepers) -> tuple
     return stiffness, railpad.damping / railpad.stiffness * stiffness
 
 
+def proportional_damping(parameters: LevelCrossingParameters, elements: TrackElements) -> FloatArray:
+    """α in 1/s and β = 0 (2, n): layers damp in proportion to the mass of the beams on them; elsewhere both are zero."""
+    mesh, numbering, factors = elements.mesh, elements.numbering, np.zeros((2, elements.numbering.size))
+    (type_2, type_1), boundary = _strip_damping(parameters), _strip_boundary(parameters)
+    for part, slab in zip(mesh.slabs, numbering.slabs, strict=True):
+        nodes = slice(part.start, part.stop + 1)
+        strip = np.where(mesh.nodes[nodes] < boundary, type_2, type_1)[:, None]
+        alpha = strip / parameters.rail.mass_per_length
+        beneath = (strip + parameters.slab.subgrade_damping) / parameters.slab.mass_per_length
+        for unknowns, values in ((numbering.rail[nodes], alpha), (slab, beneath)):
+            free = unknowns >= 0
+            factors[0, unknowns[free]] = np.broadcast_to(values, unknowns.shape)[free]
+    return factors
+
+
 Part = tuple[list[Elements], list[Elements], list[Elements]]
 
 
@@ -112,11 +127,21 @@ def _strip(parameters: LevelCrossingParameters, mesh: Mesh, numbering: Numbering
     edges = mesh.nodes[part.start : part.stop + 1]
     rail = _element_unknowns(numbering.rail[part.start : part.stop + 1])
     unknowns = np.concatenate([rail, _element_unknowns(numbering.slabs[index])], axis=1)
-    boundary = parameters.geometry.approach_length + parameters.zone.type_2_strip_length
-    stiffness = np.array([strip.type_2_stiffness, strip.type_1_stiffness])
-    damping = 2.0 * strip.damping_ratio * np.sqrt(stiffness * parameters.rail.mass_per_length)
+    boundary, damping = _strip_boundary(parameters), _strip_damping(parameters)
     return (
         [],
         [(unknowns, coupled(layer_matrices(edges, boundary, *damping)))],
-        [(unknowns, coupled(layer_matrices(edges, boundary, *stiffness)))],
+        [(unknowns, coupled(layer_matrices(edges, boundary, strip.type_2_stiffness, strip.type_1_stiffness)))],
     )
+
+
+def _strip_boundary(parameters: LevelCrossingParameters) -> float:
+    """Where the strips of type 2 end, in m."""
+    return parameters.geometry.approach_length + parameters.zone.type_2_strip_length
+
+
+def _strip_damping(parameters: LevelCrossingParameters) -> FloatArray:
+    """Of the strips of type 2 and 1 (2,), in N s/m²."""
+    strip = parameters.strip
+    stiffness = np.array([strip.type_2_stiffness, strip.type_1_stiffness])
+    return np.asarray(2.0 * strip.damping_ratio * np.sqrt(stiffness * parameters.rail.mass_per_length))

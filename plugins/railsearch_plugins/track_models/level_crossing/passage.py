@@ -8,7 +8,12 @@ from scipy.interpolate import CubicSpline
 from railsearch_plugins.dynamics.banded import assemble, half_bandwidth
 from railsearch_plugins.dynamics.moving_contact import Contact, Observation, Passage, Track, make_contact, pass_over
 from railsearch_plugins.dynamics.vehicles import Vehicle
-from railsearch_plugins.track_models.level_crossing.assembly import TrackElements, assemble_track, make_vehicle
+from railsearch_plugins.track_models.level_crossing.assembly import (
+    TrackElements,
+    assemble_track,
+    make_vehicle,
+    proportional_damping,
+)
 from railsearch_plugins.track_models.level_crossing.layout import FloatArray
 from railsearch_plugins.track_models.level_crossing.parameters import LevelCrossingParameters
 
@@ -35,6 +40,7 @@ def simulate_passage(
         assemble(elements.mass, size, width),
         assemble(elements.damping, size, width),
         assemble(elements.stiffness, size, width),
+        proportional_damping(parameters, elements),
     )
     wheel = wheel_positions(parameters) if positions is None else positions
     irregularity = irregularity_at(parameters, wheel)[:, None, None]

@@ -40,6 +40,7 @@ class TrackElements:
     mass: list[Elements]
     damping: list[Elements]
     stiffness: list[Elements]
+    rayleigh: FloatArray
 
 
 def assemble_track(parameters: TrainTrackBridgeParameters) -> TrackElements:
@@ -53,13 +54,18 @@ def assemble_track(parameters: TrainTrackBridgeParameters) -> TrackElements:
         _subballast(parameters, layout, numbering),
     )
     mass, damping, stiffness = ([element for part in parts for element in part[kind]] for kind in range(3))
-    return TrackElements(layout, numbering, mass, damping, stiffness)
+    return TrackElements(layout, numbering, mass, damping, stiffness, _rayleigh(parameters, numbering))
 
 
 def track_matrices(elements: TrackElements) -> Track:
     """The matrices by lower diagonals."""
     width, size = half_bandwidth([*elements.stiffness, *elements.damping]), elements.numbering.size
-    return Track(*(assemble(kind, size, width) for kind in (elements.mass, elements.damping, elements.stiffness)))
+    return Track(
+        assemble(elements.mass, size, width),
+        assemble(elements.damping, size, width),
+        assemble(elements.stiffness, size, width),
+        elements.rayleigh,
+    )
 
 
 def ballast_values(parameters: TrainTrackBridgeParameters) -> tuple[float, float]:
@@ -125,6 +131,14 @@ def _beam(nodes: IntArray, length: float, mass: float, stiffness: float, rayleig
     lengths = np.full(unknowns.shape[0], length)
     inertia, bending = mass * gram_matrices(lengths, 0.0, lengths), bending_matrices(lengths, stiffness)
     return [(unknowns, inertia)], [(unknowns, rayleigh[0] * inertia + rayleigh[1] * bending)], [(unknowns, bending)]
+
+
+def _rayleigh(parameters: TrainTrackBridgeParameters, numbering: Numbering) -> FloatArray:
+    """α and β (2, n) of the beam that an unknown belongs to, zero for sleepers and ballast."""
+    frequencies, factors = bridge_frequencies(parameters), np.zeros((2, numbering.size))
+    for unknowns, ratio in ((numbering.rail, parameters.rail.damping), (numbering.bridge, parameters.bridge_damping)):
+        factors[:, unknowns[unknowns >= 0]] = np.array(rayleigh_factors(ratio, frequencies))[:, None]
+    return factors
 
 
 def _rail(parameters: TrainTrackBridgeParameters, layout: Layout, numbering: Numbering) -> Part:

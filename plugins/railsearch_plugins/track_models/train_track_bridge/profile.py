@@ -1,6 +1,7 @@
 """The irregularity under the wheels: a generated profile, or a measured one from a file."""
 
 from collections.abc import Callable
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -35,17 +36,30 @@ def read_profile(file: str) -> tuple[FloatArray, FloatArray]:
     """
     where = f"train-track-bridge.irregularity_file: {file}"
     try:
+        state = Path(file).stat()
+        return _read(file, where, (state.st_mtime_ns, state.st_size))
+    except OSError as error:
+        raise _unreadable(where, error) from None
+
+
+@lru_cache(maxsize=4)
+def _read(file: str, where: str, version: tuple[int, int]) -> tuple[FloatArray, FloatArray]:
+    """As `read_profile`, once for each version of a file: every design of a search goes over the same profile."""
+    try:
         text = Path(file).read_text(encoding="utf-8")
         table = np.loadtxt(text.replace(",", " ").replace(";", " ").splitlines(), ndmin=2)
-    except (OSError, ValueError) as error:
-        raise InputError(
-            f"{where} cannot be read ({error}); give a text file of positions and heights in m, two columns"
-        ) from None
+    except ValueError as error:
+        raise _unreadable(where, error) from None
     if table.shape[1:] != (2,) or table.shape[0] < 4 or not np.isfinite(table).all():
         raise InputError(f"{where}: two columns with four or more finite numbers are needed, received {table.shape}")
     if not (np.diff(table[:, 0]) > 0.0).all():
         raise InputError(f"{where}: positions must ascend, received a step of {np.diff(table[:, 0]).min():g} m; sort them")
+    table.flags.writeable = False
     return table[:, 0], table[:, 1]
+
+
+def _unreadable(where: str, error: Exception) -> InputError:
+    return InputError(f"{where} cannot be read ({error}); give a text file of positions and heights in m, two columns")
 
 
 def _measured(positions: FloatArray, heights: FloatArray) -> Profile:
