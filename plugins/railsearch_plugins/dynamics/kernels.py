@@ -200,7 +200,7 @@ def _forward_panel(lower, widths, unknowns, negligible, x):  # type: ignore[no-u
     return stop
 
 
-@njit(cache=True, fastmath={"contract"})
+@njit(cache=True, fastmath={"contract"}, error_model="numpy")
 def _backward_panel(lower, widths, first, stop, negligible, x):  # type: ignore[no-untyped-def]
     """Columns A⁻¹ e_k of `_forward_panel`'s up to where they have decayed above the `first` unknown; that row."""
     start, largest = stop, 0.0

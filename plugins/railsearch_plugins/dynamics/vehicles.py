@@ -107,7 +107,7 @@ def prepare_vehicle(vehicle: Vehicle, time_step: float) -> VehicleStep:
 
 
 def _spans(*matrices: FloatArray) -> IntArray:
-    """First and one past the last column (r, 2) in which a row of any of the matrices (r, c) has an entry; c, 0 if in none."""
+    """First and one past the last column (r, 2) in which a row of any of the matrices (r, c) has an entry; c, 0 if none."""
     used = np.any([matrix != 0.0 for matrix in matrices], axis=0)
     columns = np.arange(used.shape[1])
     first = np.where(used, columns, columns.size).min(axis=1, initial=columns.size)
