@@ -11,6 +11,7 @@ import types
 import typing
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, TypeVar, cast
 
 from railsearch.errors import InputError
@@ -143,6 +144,11 @@ def _checked_values(shape: object, values: Mapping[str, object], where: str, fau
     return checked
 
 
+@cache
+def _type_hints(cls: type) -> dict[str, Any]:
+    return typing.get_type_hints(cls)
+
+
 def _amended_field(shape: object, name: str, value: object, where: str) -> object:
     """The new value of one field, checked."""
     fields = {field.name: field for field in _settable(shape)}
@@ -151,7 +157,7 @@ def _amended_field(shape: object, name: str, value: object, where: str) -> objec
     current, place = getattr(shape, name, None), f"{where}.{name}"
     if not dataclasses.is_dataclass(current):
         cls = shape if isinstance(shape, type) else type(shape)
-        return _checked(value, typing.get_type_hints(cls)[name], fields[name].metadata, place)
+        return _checked(value, _type_hints(cls)[name], fields[name].metadata, place)
     if not isinstance(value, Mapping):
         raise InputError(f"{place}: a table of parameters is needed, received {value!r}")
     return amend_parameters(cast(Any, current), value, place)

@@ -25,11 +25,9 @@ def quadratic(matrix, states):
 
 def contact_matrix(contact, size):
     """The Hermite rows of all steps as a sparse matrix (t, n)."""
-    steps = np.repeat(np.arange(contact.rows.shape[0]), 4).reshape(-1, 4)
-    used = contact.unknowns >= 0
-    return scipy.sparse.csr_array(
-        (contact.rows[used], (steps[used], contact.unknowns[used])), shape=(contact.rows.shape[0], size)
-    )
+    count = contact.rows.shape[0]
+    places = np.repeat(np.arange(count), 4), contact.unknowns.ravel()
+    return scipy.sparse.csr_array((contact.rows.ravel(), places), shape=(count, size))
 
 
 def energy_ledger(parameters):
@@ -45,13 +43,16 @@ def energy_ledger(parameters):
         run.track_velocity,
         run.vehicle_displacement,
         run.vehicle_velocity,
-        run.force,
+        run.force[:, 0],
     )
     mass, damping, stiffness = (sparse(band) for band in track[:3])
     rows = contact_matrix(s.contact, u.shape[1])
     slope = rows[1:] - rows[:-1]
     moved = force[:-1, None] * u[1:] + force[1:, None] * u[:-1]
-    drive = -0.5 * slope.multiply(moved).sum() - 0.5 * ((force[1:] + force[:-1]) * np.diff(s.contact.irregularity)).sum()
+    drive = (
+        -0.5 * slope.multiply(moved).sum()
+        - 0.5 * ((force[1:] + force[:-1]) * np.diff(s.contact.irregularity[:, 0, 0])).sum()
+    )
     weight = parameters.vehicle.gravity * np.diag(vehicle.mass)
     gravity = float(weight @ (z[-1] - z[0]))
     middle, vehicle_middle = 0.5 * (v[1:] + v[:-1]), 0.5 * (zv[1:] + zv[:-1])

@@ -9,16 +9,17 @@ U       L as seen from the far end: Lᵀ x = y is a forward      (b + 1, n)  -
         substitution with U on the reversed vectors
 
 The envelope of A is that of L (George & Liu 1981, sec. 4.2): rows of L are as short as those of A. Rows with at most
-NARROW sub-diagonals (a beam with single masses under it) or WIDE ones (two beams, one over a joint of the other) are
-substituted with the last results held in registers: what limits a substitution is the wait for the row before.
+NARROW sub-diagonals (a beam with single masses under it), MIDDLE (a beam over another one) or WIDE ones (one over a joint
+of the other) are substituted with the last results held in registers: what limits a substitution is the wait for the row
+before.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
 from railsearch_plugins.dynamics.beam import FloatArray, IntArray
-from railsearch_plugins.dynamics.kernels import BLOCK, NARROW, WIDE
+from railsearch_plugins.dynamics.kernels import BLOCK, MIDDLE, NARROW, WIDE
 
 Elements = tuple[IntArray, FloatArray]
 
@@ -35,6 +36,20 @@ def assemble(elements: Iterable[Elements], size: int, half_bandwidth: int) -> Fl
         lower = (columns >= 0) & (rows >= columns)
         np.add.at(band, ((rows - columns)[lower], rows[lower]), matrices[lower])
     return band
+
+
+def number_along(bodies: Sequence[tuple[FloatArray, IntArray]]) -> tuple[list[IntArray], int]:
+    """Number unknowns by position along the track, which keeps the band narrow.
+
+    bodies: groups of positions (m,) and how many unknowns stand there (m,); at the same position groups come in their
+    order. Returns the first unknown of each position (m,), per group, and the number of unknowns.
+    """
+    positions, counts = (np.concatenate(values) for values in zip(*bodies, strict=True))
+    sizes = [values.size for values, _ in bodies]
+    order = np.lexsort((np.repeat(np.arange(len(sizes)), sizes), positions))
+    first = np.empty_like(counts)
+    first[order] = np.cumsum(counts[order]) - counts[order]
+    return np.split(first, np.cumsum(sizes)[:-1]), int(counts.sum())
 
 
 def half_bandwidth(elements: Iterable[Elements]) -> int:
@@ -60,7 +75,9 @@ def runs(factor: FloatArray) -> IntArray:
     The first block is a run of its own: the rows before it are missing, and its substitution is the slower, general one.
     """
     widths = block_widths(factor)
-    alike = np.where(widths <= NARROW, NARROW, np.where(widths <= WIDE, WIDE, widths))
+    alike = widths
+    for width in (WIDE, MIDDLE, NARROW):
+        alike = np.where(widths <= width, width, alike)
     cuts = np.flatnonzero(np.diff(alike)) + 1
     first = np.unique(np.concatenate([[0, min(1, alike.size - 1)], cuts]))
     stops = np.append(first[1:] * BLOCK, factor.shape[1])
@@ -74,11 +91,3 @@ def mirrored(lower: FloatArray) -> FloatArray:
     for k in range(1, min(lower.shape)):
         upper[k, k:] = lower[k, k:][::-1]
     return upper
-
-
-def diagonal_ranges(band: FloatArray) -> tuple[IntArray, IntArray]:
-    """First row and one past the last row (b + 1,) in which each lower diagonal has an entry; k, k where it has none."""
-    used = [np.flatnonzero(diagonal) for diagonal in band]
-    starts = [int(rows[0]) if rows.size else k for k, rows in enumerate(used)]
-    stops = [int(rows[-1]) + 1 if rows.size else k for k, rows in enumerate(used)]
-    return np.array(starts), np.array(stops)

@@ -4,10 +4,12 @@ symbol  meaning                                            shape    unit   sourc
 l       length of an element                               (m,)     m
 ξ, s    position in an element, s = ξ/l                    (m,)     m, -
 N       Hermite functions of (w₁, θ₁, w₂, θ₂)              (m, 4)   -, m   Przemieniecki (1968), eq. 5.75
+d       order of a derivative                              scalar   -
 EI      bending stiffness                                  scalar   N m²
 G       ∫ Nᵀ N dξ over a part of the element               (m, 4, 4)
 """
 
+import math
 from typing import Any
 
 import numpy as np
@@ -20,16 +22,22 @@ IntArray = NDArray[np.int64]
 _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(4)
 
 
-def hermite(offset: ArrayLike, length: ArrayLike) -> FloatArray:
-    """Hermite functions (..., 4) at `offset` ξ in an element of `length` l, both (...) in m.
+def hermite(offset: ArrayLike, length: ArrayLike, order: int = 0) -> FloatArray:
+    """Hermite functions (..., 4) at `offset` ξ in an element of `length` l, both (...) in m, or dᵈN/dξᵈ of `order` d ≤ 2.
 
     N = [1 − 3s² + 2s³, ξ(1 − s)², 3s² − 2s³, ξ s(s − 1)] with s = ξ/l (Przemieniecki 1968, eq. 5.75).
     """
     xi, span = np.broadcast_arrays(np.asarray(offset, dtype=float), np.asarray(length, dtype=float))
     s = xi / span
-    return np.stack(
-        [1.0 - s * s * (3.0 - 2.0 * s), xi * (1.0 - s) ** 2, s * s * (3.0 - 2.0 * s), xi * s * (s - 1.0)], axis=-1
-    )
+    if order == 0:
+        rows = [1.0 - s * s * (3.0 - 2.0 * s), xi * (1.0 - s) ** 2, s * s * (3.0 - 2.0 * s), xi * s * (s - 1.0)]
+    elif order == 1:
+        bend = 6.0 * s * (1.0 - s) / span
+        rows = [-bend, (1.0 - s) * (1.0 - 3.0 * s), bend, s * (3.0 * s - 2.0)]
+    else:
+        bend = (6.0 - 12.0 * s) / span**2
+        rows = [-bend, (6.0 * s - 4.0) / span, bend, (6.0 * s - 2.0) / span]
+    return np.stack(rows, axis=-1)
 
 
 def bending_matrices(length: ArrayLike, bending_stiffness: float) -> FloatArray:
@@ -74,8 +82,8 @@ def coupled(matrices: FloatArray) -> FloatArray:
     return np.asarray(np.block([[matrices, -matrices], [-matrices, matrices]]))
 
 
-def locate(nodes: FloatArray, positions: ArrayLike) -> tuple[IntArray, FloatArray]:
-    """Element (k,) that holds each of the positions (k,), and its Hermite row (k, 4).
+def find(nodes: FloatArray, positions: ArrayLike) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Element (k,) that holds each of the positions (k,), the offset ξ in it and its length l (k,), all in m.
 
     A position within 1e-9 of an element length of a node is taken on the node. Raises ValueError outside the nodes.
     """
@@ -87,9 +95,24 @@ def locate(nodes: FloatArray, positions: ArrayLike) -> tuple[IntArray, FloatArra
         raise ValueError(f"positions must lie between {nodes[0]:g} and {nodes[-1]:g} m")
     nearest = np.round(share)
     share = np.where(np.abs(share - nearest) <= 1e-9, nearest, share)
-    return elements, hermite(share * lengths[elements], lengths[elements])
+    return elements, share * lengths[elements], lengths[elements]
+
+
+def locate(nodes: FloatArray, positions: ArrayLike) -> tuple[IntArray, FloatArray]:
+    """Element (k,) that holds each of the positions (k,), and its Hermite row (k, 4); see `find`."""
+    elements, offset, length = find(nodes, positions)
+    return elements, hermite(offset, length)
 
 
 def outer(rows: FloatArray, factors: Any) -> FloatArray:
     """Matrices (m, p, p) = factor · rowᵀ row of springs or dampers (m,) that see the elongation row · u, rows (m, p)."""
     return np.asarray(np.einsum("m,mi,mj->mij", np.broadcast_to(factors, rows.shape[:1]), rows, rows))
+
+
+def critical_speed(foundation: float, bending_stiffness: float, mass: float) -> float:
+    """Speed in m/s at which a load outruns the waves of a beam on a Winkler foundation: (4 k EI/m²)^(1/4).
+
+    foundation k in N/m², bending stiffness EI in N m² and mass m in kg/m, both of the latter with all that moves along
+    (Frýba 1999, Vibration of Solids and Structures under Moving Loads, ch. 13).
+    """
+    return math.sqrt(2.0 * math.sqrt(foundation * bending_stiffness) / mass)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from railsearch_plugins.dynamics.beam import bending_matrices, coupled, gram_matrices, layer_matrices, locate, outer
+from railsearch_plugins.dynamics.vehicles import Vehicle, multibody
 from railsearch_plugins.track_models.level_crossing.layout import (
     FloatArray,
     IntArray,
@@ -49,14 +50,16 @@ def assemble_track(parameters: LevelCrossingParameters) -> TrackElements:
     return TrackElements(mesh, sleepers, numbering, mass, damping, stiffness)
 
 
-def vehicle_matrices(parameters: LevelCrossingParameters) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Mass, damping and stiffness (3, 3) of carbody, bogie and wheelset in line."""
+def make_vehicle(parameters: LevelCrossingParameters) -> Vehicle:
+    """Carbody, bogie and wheelset in line on a Hertz contact."""
     vehicle = parameters.vehicle
-    mass = np.diag([vehicle.effective_carbody_mass, vehicle.bogie_mass, vehicle.wheelset_mass])
-    suspension = np.array([[1.0, -1.0, 0.0], [0.0, 1.0, -1.0]])
-    damping = outer(suspension, [vehicle.secondary_damping, vehicle.primary_damping]).sum(axis=0)
-    stiffness = outer(suspension, [vehicle.secondary_stiffness, vehicle.primary_stiffness]).sum(axis=0)
-    return mass, damping, stiffness
+    matrices = multibody(
+        np.array([vehicle.effective_carbody_mass, vehicle.bogie_mass, vehicle.wheelset_mass]),
+        np.array([[1.0, -1.0, 0.0], [0.0, 1.0, -1.0]]),
+        np.array([vehicle.secondary_stiffness, vehicle.primary_stiffness]),
+        np.array([vehicle.secondary_damping, vehicle.primary_damping]),
+    )
+    return Vehicle(*matrices, np.array([vehicle.static_load]), vehicle.contact_stiffness)
 
 
 def pad_values(parameters: LevelCrossingParameters, sleepers: Sleepers) -> tuple[FloatArray, FloatArray]:
@@ -65,6 +68,21 @@ def pad_values(parameters: LevelCrossingParameters, sleepers: Sleepers) -> tuple
     share = 0.5 if railpad.reading == "full-track" else 1.0
     stiffness = share * sleepers.pad_stiffness
     return stiffness, railpad.damping / railpad.stiffness * stiffness
+
+
+def proportional_damping(parameters: LevelCrossingParameters, elements: TrackElements) -> FloatArray:
+    """α in 1/s and β = 0 (2, n): layers damp in proportion to the mass of the beams on them; elsewhere both are zero."""
+    mesh, numbering, factors = elements.mesh, elements.numbering, np.zeros((2, elements.numbering.size))
+    (type_2, type_1), boundary = _strip_damping(parameters), _strip_boundary(parameters)
+    for part, slab in zip(mesh.slabs, numbering.slabs, strict=True):
+        nodes = slice(part.start, part.stop + 1)
+        strip = np.where(mesh.nodes[nodes] < boundary, type_2, type_1)[:, None]
+        alpha = strip / parameters.rail.mass_per_length
+        beneath = (strip + parameters.slab.subgrade_damping) / parameters.slab.mass_per_length
+        for unknowns, values in ((numbering.rail[nodes], alpha), (slab, beneath)):
+            free = unknowns >= 0
+            factors[0, unknowns[free]] = np.broadcast_to(values, unknowns.shape)[free]
+    return factors
 
 
 Part = tuple[list[Elements], list[Elements], list[Elements]]
@@ -109,11 +127,21 @@ def _strip(parameters: LevelCrossingParameters, mesh: Mesh, numbering: Numbering
     edges = mesh.nodes[part.start : part.stop + 1]
     rail = _element_unknowns(numbering.rail[part.start : part.stop + 1])
     unknowns = np.concatenate([rail, _element_unknowns(numbering.slabs[index])], axis=1)
-    boundary = parameters.geometry.approach_length + parameters.zone.type_2_strip_length
-    stiffness = np.array([strip.type_2_stiffness, strip.type_1_stiffness])
-    damping = 2.0 * strip.damping_ratio * np.sqrt(stiffness * parameters.rail.mass_per_length)
+    boundary, damping = _strip_boundary(parameters), _strip_damping(parameters)
     return (
         [],
         [(unknowns, coupled(layer_matrices(edges, boundary, *damping)))],
-        [(unknowns, coupled(layer_matrices(edges, boundary, *stiffness)))],
+        [(unknowns, coupled(layer_matrices(edges, boundary, strip.type_2_stiffness, strip.type_1_stiffness)))],
     )
+
+
+def _strip_boundary(parameters: LevelCrossingParameters) -> float:
+    """Where the strips of type 2 end, in m."""
+    return parameters.geometry.approach_length + parameters.zone.type_2_strip_length
+
+
+def _strip_damping(parameters: LevelCrossingParameters) -> FloatArray:
+    """Of the strips of type 2 and 1 (2,), in N s/m²."""
+    strip = parameters.strip
+    stiffness = np.array([strip.type_2_stiffness, strip.type_1_stiffness])
+    return np.asarray(2.0 * strip.damping_ratio * np.sqrt(stiffness * parameters.rail.mass_per_length))

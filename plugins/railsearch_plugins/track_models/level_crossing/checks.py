@@ -1,12 +1,12 @@
 """What must hold between the parameters of a level crossing, and the critical speed of its track."""
 
 import dataclasses
-import math
 
 import numpy as np
 
 from railsearch.errors import InputError
 from railsearch.parameters import make_parameters
+from railsearch_plugins.dynamics import beam
 from railsearch_plugins.track_models.level_crossing.layout import SAME_PLACE, sleeper_distances_from_crossing
 from railsearch_plugins.track_models.level_crossing.parameters import LevelCrossingParameters
 
@@ -34,9 +34,8 @@ def checked(parameters: LevelCrossingParameters) -> LevelCrossingParameters:
 def critical_speed(parameters: LevelCrossingParameters) -> float:
     """The lowest critical speed in m/s over ballast track, embedded rail and slab.
 
-    v_cr = (4 k EI/m²)^(1/4), Euler–Bernoulli beam on a Winkler foundation (Frýba 1999, Vibration of Solids and
-    Structures under Moving Loads, ch. 13), with k and m per metre: on ballast track the softest pad and the ballast in
-    series and rail and sleeper; the rail on the softer strip; rail and slab together on the subgrade.
+    Of a beam on a Winkler foundation with k and m per metre: on ballast track the softest pad and the ballast in series
+    and rail and sleeper; the rail on the softer strip; rail and slab together on the subgrade.
     """
     rail, slab, ballast = parameters.rail, parameters.slab, parameters.ballast
     share = 0.5 if parameters.railpad.reading == "full-track" else 1.0
@@ -47,14 +46,10 @@ def critical_speed(parameters: LevelCrossingParameters) -> float:
     strip = min(parameters.strip.type_1_stiffness, parameters.strip.type_2_stiffness)
     both = rail.bending_stiffness + slab.bending_stiffness
     return min(
-        _winkler_speed(support, rail.bending_stiffness, rail.mass_per_length + heaviest / spacing),
-        _winkler_speed(strip, rail.bending_stiffness, rail.mass_per_length),
-        _winkler_speed(slab.subgrade_stiffness, both, rail.mass_per_length + slab.mass_per_length),
+        beam.critical_speed(support, rail.bending_stiffness, rail.mass_per_length + heaviest / spacing),
+        beam.critical_speed(strip, rail.bending_stiffness, rail.mass_per_length),
+        beam.critical_speed(slab.subgrade_stiffness, both, rail.mass_per_length + slab.mass_per_length),
     )
-
-
-def _winkler_speed(foundation: float, bending_stiffness: float, mass: float) -> float:
-    return math.sqrt(2.0 * math.sqrt(foundation * bending_stiffness) / mass)
 
 
 def _require(holds: bool, field: str, rule: str, value: object, remedy: str) -> None:

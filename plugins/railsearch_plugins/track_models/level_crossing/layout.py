@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from railsearch_plugins.dynamics.banded import number_along
 from railsearch_plugins.track_models.level_crossing.parameters import LevelCrossingParameters, Zone
 
 FloatArray = NDArray[np.float64]
@@ -86,14 +87,11 @@ def number_unknowns(mesh: Mesh, sleepers: Sleepers) -> Numbering:
     """
     slab_nodes = [mesh.nodes[part.start : part.stop + 1] for part in mesh.slabs]
     at_node = mesh.nodes[np.searchsorted(mesh.nodes, sleepers.position - SAME_PLACE)]
-    positions = np.concatenate([at_node, *slab_nodes, mesh.nodes])
-    rank = np.repeat([0, 1, 2], [at_node.size, sum(nodes.size for nodes in slab_nodes), mesh.nodes.size])
-    counts = np.where(rank == 0, 1, 2)
-    counts[[-mesh.nodes.size, -1]] = 1
-    order = np.lexsort((rank, positions))
-    first = np.empty_like(counts)
-    first[order] = np.cumsum(counts[order]) - counts[order]
-    sleeper, *slabs, rail = np.split(first, np.cumsum([at_node.size, *(nodes.size for nodes in slab_nodes)]))
+    rail_counts = np.full(mesh.nodes.size, 2)
+    rail_counts[[0, -1]] = 1
+    groups = [(at_node, np.ones(at_node.size, dtype=np.int64))]
+    groups += [(nodes, np.full(nodes.size, 2)) for nodes in slab_nodes]
+    (sleeper, *slabs, rail), size = number_along([*groups, (mesh.nodes, rail_counts)])
     rail_unknowns = np.stack([rail, rail + 1], axis=1)
     rail_unknowns[[0, -1]] = [[-1, rail[0]], [-1, rail[-1]]]
-    return Numbering(rail_unknowns, tuple(np.stack([slab, slab + 1], axis=1) for slab in slabs), sleeper, int(counts.sum()))
+    return Numbering(rail_unknowns, tuple(np.stack([slab, slab + 1], axis=1) for slab in slabs), sleeper, size)

@@ -23,9 +23,9 @@ def make_histories(parameters: LevelCrossingParameters, simulated: Simulated) ->
     histories: dict[str, FloatArray] = {
         "time": parameters.passage.time_step * np.arange(simulated.position.size, dtype=np.float64),
         "wheel_position": simulated.position,
-        "wheel_rail_force": passage.force,
-        "rail_displacement": passage.rail,
-        "wheel_displacement": passage.wheel,
+        "wheel_rail_force": passage.force[:, 0],
+        "rail_displacement": (passage.motion - simulated.contact.irregularity)[:, 0, 0],
+        "wheel_displacement": passage.vehicle_displacement[:, -1],
         "carbody_acceleration": carbody_acceleration(simulated),
         "sleeper_position": simulated.elements.sleepers.position,
         "sleeper_energy": parameters.ballast.damping * passage.support_integrals,

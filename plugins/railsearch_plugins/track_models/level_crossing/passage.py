@@ -6,9 +6,14 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from railsearch_plugins.dynamics.banded import assemble, half_bandwidth
-from railsearch_plugins.dynamics.beam import locate
-from railsearch_plugins.dynamics.moving_contact import Contact, Passage, Track, Vehicle, pass_over
-from railsearch_plugins.track_models.level_crossing.assembly import TrackElements, assemble_track, vehicle_matrices
+from railsearch_plugins.dynamics.moving_contact import Contact, Observation, Passage, Track, make_contact, pass_over
+from railsearch_plugins.dynamics.vehicles import Vehicle
+from railsearch_plugins.track_models.level_crossing.assembly import (
+    TrackElements,
+    assemble_track,
+    make_vehicle,
+    proportional_damping,
+)
 from railsearch_plugins.track_models.level_crossing.layout import FloatArray
 from railsearch_plugins.track_models.level_crossing.parameters import LevelCrossingParameters
 
@@ -35,12 +40,14 @@ def simulate_passage(
         assemble(elements.mass, size, width),
         assemble(elements.damping, size, width),
         assemble(elements.stiffness, size, width),
-        elements.numbering.sleepers,
+        proportional_damping(parameters, elements),
     )
-    vehicle = Vehicle(*vehicle_matrices(parameters), parameters.vehicle.static_load, parameters.vehicle.contact_stiffness)
     wheel = wheel_positions(parameters) if positions is None else positions
-    contact = make_contact(parameters, elements, wheel)
-    passage = pass_over(track, vehicle, contact, parameters.passage.time_step, states)
+    irregularity = irregularity_at(parameters, wheel)[:, None, None]
+    contact = make_contact(elements.mesh.nodes, elements.numbering.rail, wheel[:, None], irregularity)
+    vehicle = make_vehicle(parameters)
+    observation = Observation(supports=elements.numbering.sleepers)
+    passage = pass_over(track, vehicle, contact, parameters.passage.time_step, observation, states)
     return Simulated(elements, track, vehicle, contact, wheel, passage)
 
 
@@ -49,14 +56,6 @@ def wheel_positions(parameters: LevelCrossingParameters) -> FloatArray:
     advance = parameters.passage.speed * parameters.passage.time_step
     steps = int(np.floor(parameters.geometry.total_length / advance))
     return np.asarray(advance * np.arange(steps + 1))
-
-
-def make_contact(parameters: LevelCrossingParameters, elements: TrackElements, positions: FloatArray) -> Contact:
-    """Unknowns, Hermite rows and irregularity under the wheel at each of the positions (t,)."""
-    element, rows = locate(elements.mesh.nodes, positions)
-    rail = elements.numbering.rail
-    unknowns = np.concatenate([rail[element], rail[element + 1]], axis=1)
-    return Contact(unknowns, rows, irregularity_at(parameters, positions))
 
 
 def irregularity_at(parameters: LevelCrossingParameters, positions: FloatArray) -> FloatArray:
