@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from railsearch_plugins.dynamics.beam import bending_matrices, coupled, gram_matrices, layer_matrices, locate, outer
-from railsearch_plugins.dynamics.vehicles import Vehicle, multibody
 from railsearch_plugins.track_models.level_crossing.layout import (
     FloatArray,
     IntArray,
@@ -48,18 +47,6 @@ def assemble_track(parameters: LevelCrossingParameters) -> TrackElements:
     )
     mass, damping, stiffness = ([element for part in parts for element in part[kind]] for kind in range(3))
     return TrackElements(mesh, sleepers, numbering, mass, damping, stiffness)
-
-
-def make_vehicle(parameters: LevelCrossingParameters) -> Vehicle:
-    """Carbody, bogie and wheelset in line on a Hertz contact."""
-    vehicle = parameters.vehicle
-    matrices = multibody(
-        np.array([vehicle.effective_carbody_mass, vehicle.bogie_mass, vehicle.wheelset_mass]),
-        np.array([[1.0, -1.0, 0.0], [0.0, 1.0, -1.0]]),
-        np.array([vehicle.secondary_stiffness, vehicle.primary_stiffness]),
-        np.array([vehicle.secondary_damping, vehicle.primary_damping]),
-    )
-    return Vehicle(*matrices, np.array([vehicle.static_load]), vehicle.contact_stiffness)
 
 
 def pad_values(parameters: LevelCrossingParameters, sleepers: Sleepers) -> tuple[FloatArray, FloatArray]:
