@@ -1,7 +1,7 @@
 """Vehicles on wheels over any linear track whose equations are solved by what is handed in.
 
 Symbols and method are those of `moving_contact`; the steps are taken here in Python, because on a track with a wide band
-a step spends its time in the solution. Wheels are on Hertz springs (`vehicles`), so that of their rail's motion y alone is needed.
+a step spends its time in the solution. Wheels are on Hertz springs (`vehicles`), so that y alone is needed.
 """
 
 from typing import NamedTuple, Protocol
