@@ -31,7 +31,7 @@ class Site:
 
 def read_site(path: Path, registry: Registry, problem: str) -> Site:
     """Read and check a site file for a problem. Raises InputError naming the file, the field and what is allowed."""
-    document = read_toml(path)
+    document = readtoml_value(path)
     named = document.pop("problem", problem)
     if named != problem:
         raise InputError(f"{path}: problem: this file describes '{named}', asked for is '{problem}'")
@@ -72,7 +72,7 @@ def preference_settings(registry: Registry, scalariser: str | None, path: Path |
     """
     if path is None:
         return {}
-    document = read_toml(path)
+    document = readtoml_value(path)
     make_parameters(GroupPreferenceParameters, document, str(path))
     able = [
         entry.name
@@ -98,7 +98,7 @@ def _worst_table(registry: Registry, problem: str) -> Iterator[str]:
         yield f"{quantity.name} = {known[quantity.name]!r}" if quantity.name in known else f"# {quantity.name} ="
 
 
-def read_toml(path: Path) -> dict[str, Any]:
+def readtoml_value(path: Path) -> dict[str, Any]:
     """A TOML file with the columns of other files that it names. Raises InputError if one of them cannot be read."""
     try:
         document = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -111,13 +111,18 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 def _with_columns(value: Any, path: Path) -> Any:
-    """The document with every table {file = …, column = …} replaced by that column of a file beside it."""
+    """The document with every table {file = …, column = …} replaced by that column of a file beside it.
+
+    A table {file = …} alone becomes the whole path of a file beside it.
+    """
     if isinstance(value, list):
         return [_with_columns(entry, path) for entry in value]
     if not isinstance(value, dict):
         return value
     if set(value) == {"file", "column"}:
         return _column(path, value["file"], value["column"])
+    if set(value) == {"file"} and isinstance(value["file"], str):
+        return str((path.parent / value["file"]).resolve())
     return {key: _with_columns(entry, path) for key, entry in value.items()}
 
 
@@ -160,20 +165,21 @@ def _assignment(item: Any, value: object) -> Iterator[str]:
     unit, allowed, source = meta.get("unit"), allowed_values(meta), meta.get("source")
     words = [meta.get("meaning", "") + (f" [{unit}]" if unit else ""), allowed and f"allowed {allowed}", source]
     yield "# " + "; ".join(word for word in words if word)
-    yield f"# {item.name} =" if value is None else f"{item.name} = {_toml(value)}"
+    yield f"# {item.name} =" if value is None else f"{item.name} = {toml_value(value)}"
 
 
-def _toml(value: object) -> str:
+def toml_value(value: object) -> str:
+    """A plain value as it is written in a TOML file."""
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{json.dumps(key)} = {_toml(entry)}" for key, entry in value.items()) + "}"
+        return "{" + ", ".join(f"{json.dumps(key)} = {toml_value(entry)}" for key, entry in value.items()) + "}"
     if isinstance(value, tuple):
-        return "[" + ", ".join(_toml(entry) for entry in value) + "]"
+        return "[" + ", ".join(toml_value(entry) for entry in value) + "]"
     return json.dumps(value, ensure_ascii=False)
 
 
 def track_section(path: Path) -> Mapping[str, Any]:
     """The track model's parameters of a site file, unchecked. Raises InputError if there are none."""
-    document = read_toml(path)
+    document = readtoml_value(path)
     if not isinstance(document.get("track"), dict):
         raise InputError(
             f"{path}: a section [track] with the track model's parameters is needed; there are {list(document)}"

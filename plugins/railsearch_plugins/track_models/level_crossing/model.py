@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import ClassVar
 
-from railsearch.interfaces import Quantity, Response
+from railsearch.interfaces import Quantity, Response, TrackExport
 from railsearch_plugins.single_wheel import WHEEL_HISTORIES, WHEEL_METRICS
 from railsearch_plugins.track_models.level_crossing.checks import checked
 from railsearch_plugins.track_models.level_crossing.parameters import Geometry, LevelCrossingParameters
@@ -46,3 +46,9 @@ class LevelCrossing:
         simulated = passage.simulate_passage(sound)
         series = measures.make_histories(sound, simulated)
         return Response(measures.measure(sound, series), series if histories else {})
+
+    def export(self, parameters: LevelCrossingParameters, parts: bool = False) -> TrackExport:
+        """The track for `imported-track`; with `parts`, the pads next to the crossing apart, in MN/m. Raises InputError."""
+        from railsearch_plugins.track_models.level_crossing.export import exported
+
+        return exported(checked(parameters), parts)
