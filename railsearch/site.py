@@ -31,7 +31,7 @@ class Site:
 
 def read_site(path: Path, registry: Registry, problem: str) -> Site:
     """Read and check a site file for a problem. Raises InputError naming the file, the field and what is allowed."""
-    document = readtoml_value(path)
+    document = read_toml(path)
     named = document.pop("problem", problem)
     if named != problem:
         raise InputError(f"{path}: problem: this file describes '{named}', asked for is '{problem}'")
@@ -72,7 +72,7 @@ def preference_settings(registry: Registry, scalariser: str | None, path: Path |
     """
     if path is None:
         return {}
-    document = readtoml_value(path)
+    document = read_toml(path)
     make_parameters(GroupPreferenceParameters, document, str(path))
     able = [
         entry.name
@@ -98,7 +98,7 @@ def _worst_table(registry: Registry, problem: str) -> Iterator[str]:
         yield f"{quantity.name} = {known[quantity.name]!r}" if quantity.name in known else f"# {quantity.name} ="
 
 
-def readtoml_value(path: Path) -> dict[str, Any]:
+def read_toml(path: Path) -> dict[str, Any]:
     """A TOML file with the columns of other files that it names. Raises InputError if one of them cannot be read."""
     try:
         document = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -179,7 +179,7 @@ def toml_value(value: object) -> str:
 
 def track_section(path: Path) -> Mapping[str, Any]:
     """The track model's parameters of a site file, unchecked. Raises InputError if there are none."""
-    document = readtoml_value(path)
+    document = read_toml(path)
     if not isinstance(document.get("track"), dict):
         raise InputError(
             f"{path}: a section [track] with the track model's parameters is needed; there are {list(document)}"
