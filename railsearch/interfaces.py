@@ -231,8 +231,8 @@ class TrackExport:
     """A track in the form that the track model `imported-track` reads.
 
     matrices: mass, damping and stiffness (n, n), sparse, in kg, N s/m and N/m; parts: by name, matrices that are added times
-    `factors`; rail: position in m, vertical unknown and rotation (k, 3), −1 where held; supports: position in m, unknown and
-    damping in N s/m (s, 3); settings: further sections of its parameters.
+    `factors`; rail: position in m, vertical unknown and rotation (k, 3), −1 where held; supports: position in m, unknown,
+    damping in N s/m and, if need be, the unknown at its other end (s, 3 or 4); settings: further sections of its parameters.
     """
 
     matrices: Mapping[str, Any]

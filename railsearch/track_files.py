@@ -80,8 +80,11 @@ def _rail(table: FloatArray) -> bytes:
 
 
 def _supports(table: FloatArray) -> bytes:
-    rows = [f"{position!r},{int(unknown)},{damping!r}" for position, unknown, damping in table.tolist()]
-    return "\n".join(["# position [m], unknown, damping [N s/m]", *rows, ""]).encode()
+    rows = [
+        ",".join([repr(position), str(int(unknown)), repr(damping), *(str(int(end)) for end in other)])
+        for position, unknown, damping, *other in table.tolist()
+    ]
+    return "\n".join(["# position [m], unknown, damping [N s/m], unknown at the other end if not ground", *rows, ""]).encode()
 
 
 def _site(export: TrackExport, places: Mapping[str, str]) -> Iterator[str]:
@@ -97,6 +100,11 @@ def _site(export: TrackExport, places: Mapping[str, str]) -> Iterator[str]:
         yield from (f"{kind} = {{ file = {toml_value(places[f'{part}.{kind}'])} }}" for kind in own)
     if export.factors:
         yield from ("", "[track.factors]", *(f"{part} = {factor!r}" for part, factor in export.factors.items()))
+        yield from ("", "# What a search may change, for instance:")
+        for part, factor in export.factors.items():
+            yield f"# [design.variables.{part}]"
+            yield f"# lower = {toml_value(0.1 * factor)}"
+            yield f"# upper = {toml_value(factor)}"
     for section, values in export.settings.items():
         yield from ("", f"[track.{section}]")
         yield from (f"{name} = {toml_value(value)}" for name, value in values.items() if value is not None)
