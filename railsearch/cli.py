@@ -13,8 +13,8 @@ from railsearch.commands.choose import choose
 from railsearch.commands.evaluation import evaluate, sample, simulate
 from railsearch.commands.options import messages
 from railsearch.commands.search import dashboard, run, show
-from railsearch.errors import RailsearchError
 from railsearch.commands.track_export import export_track
+from railsearch.errors import RailsearchError
 from railsearch.hookspecs import hookimpl
 from railsearch.plugin_manager import load_plugins
 

@@ -84,7 +84,9 @@ def _supports(table: FloatArray) -> bytes:
         ",".join([repr(position), str(int(unknown)), repr(damping), *(str(int(end)) for end in other)])
         for position, unknown, damping, *other in table.tolist()
     ]
-    return "\n".join(["# position [m], unknown, damping [N s/m], unknown at the other end if not ground", *rows, ""]).encode()
+    return "\n".join(
+        ["# position [m], unknown, damping [N s/m], unknown at the other end if not ground", *rows, ""]
+    ).encode()
 
 
 def _site(export: TrackExport, places: Mapping[str, str]) -> Iterator[str]:

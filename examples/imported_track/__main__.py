@@ -2,7 +2,8 @@
 
     python -m examples.imported_track --out imported-track-study
 
-It needs scikit-fem: pip install 'railsearch[fem]'. After any stop the same command goes on from the last finished evaluation.
+It needs scikit-fem: pip install 'railsearch[fem]'. After any stop the same command goes on from the last finished
+evaluation.
 """
 
 import argparse

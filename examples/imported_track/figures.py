@@ -4,7 +4,6 @@ import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from examples.studies import best_so_far
 from railsearch_plugins.track_models.imported_track.passage import simulate_passage
 
 GROUND = {"ballast": "#B8A58C", "soft": "#E8D9B5", "stiff": "#9FB3C4"}

@@ -7,7 +7,7 @@ b       effective width, half a sleeper                      m
 β       stiffness-proportional damping of ballast and soil   s
 c_p/s   speeds of pressure and shear waves                   m/s
 
-The ground is soft up to the jump and stiff beyond. Every sleeper is rigid: the nodes of the ballast under it move down alike.
+The ground is soft up to the jump and stiff beyond. Every sleeper is rigid: the ballast's nodes under it move down alike.
 Between it and them is a spring with a damper, the support whose energy is wanted. The bottom is held; the sides have dampers
 ρ c_p and ρ c_s, through which waves leave (Lysmer & Kuhlemeyer 1969). The rail is pinned at both ends.
 """
@@ -69,7 +69,7 @@ class Section:
 
 @dataclass(frozen=True)
 class Assembled:
-    """The section with its mesh, the place (n,) of every unknown of mesh, rail and sleepers in the export, and the export."""
+    """The section with its mesh, the places in the export of the mesh's unknowns, positions of sleepers, and the export."""
 
     section: Section
     mesh: skfem.MeshQuad
@@ -107,7 +107,9 @@ def assemble(section: Section) -> Assembled:
         + (masses if kind == "mass" else below[kind] + pads["rest"][kind])
         for kind in ("mass", "damping", "stiffness")
     }
-    held = np.concatenate([rail_dofs[[0, -1], 0], *(rows[mesh.p[1] < mesh.p[1].min() + 1e-9] for rows in (vertical, horizontal))])
+    held = np.concatenate(
+        [rail_dofs[[0, -1], 0], *(rows[mesh.p[1] < mesh.p[1].min() + 1e-9] for rows in (vertical, horizontal))]
+    )
     tie, place = _constraints(size, under, held, _along(x, rail_dofs, mesh, vertical, horizontal, sleepers, own))
     reduced = {kind: (tie.T @ matrix @ tie).tocsr() for kind, matrix in whole.items()}
     parts = {
@@ -115,7 +117,9 @@ def assemble(section: Section) -> Assembled:
         for name, part in pads.items()
         if name != "rest"
     }
-    table = np.column_stack([sleepers, place[own], np.full(count, section.under_damping), place[[feet[0] for feet in under]]])
+    table = np.column_stack(
+        [sleepers, place[own], np.full(count, section.under_damping), place[[feet[0] for feet in under]]]
+    )
     export = TrackExport(
         reduced, np.column_stack([x, place[rail_dofs]]), table, _settings(section), parts, dict.fromkeys(parts, section.pad)
     )
@@ -126,7 +130,9 @@ def _mesh(section, x):
     """Rectangles: ballast, then layers of the soil that grow with the depth."""
     ballast, soil = section.layers
     depth = section.ballast_depth + section.soil_depth * np.linspace(0.0, 1.0, soil + 1) ** 1.5
-    return skfem.MeshQuad.init_tensor(x, -np.concatenate([np.linspace(0.0, section.ballast_depth, ballast + 1), depth[1:]])[::-1])
+    return skfem.MeshQuad.init_tensor(
+        x, -np.concatenate([np.linspace(0.0, section.ballast_depth, ballast + 1), depth[1:]])[::-1]
+    )
 
 
 def _materials(section, mesh):
@@ -209,7 +215,9 @@ def _springs(first, second, values, size):
     first, second, values = np.asarray(first), np.asarray(second), np.broadcast_to(values, np.shape(first))
     rows = np.concatenate([first, second, first, second])
     columns = np.concatenate([first, second, second, first])
-    return scipy.sparse.coo_array((np.concatenate([values, values, -values, -values]), (rows, columns)), shape=(size, size)).tocsr()
+    return scipy.sparse.coo_array(
+        (np.concatenate([values, values, -values, -values]), (rows, columns)), shape=(size, size)
+    ).tocsr()
 
 
 def _ranks(sleepers, section):
@@ -243,7 +251,7 @@ def _along(x, rail_dofs, mesh, vertical, horizontal, sleepers, own):
 
 
 def _constraints(size, under, held, positions):
-    """u = T q without held unknowns, those under a sleeper being that at its centre; and the place of every u in q, −1 held."""
+    """u = T q without held unknowns, those under a sleeper being one; and the place of every u in q, −1 held."""
     master = np.arange(size)
     for feet in under:
         master[feet] = feet[0]

@@ -136,7 +136,7 @@ def _table(name: str, table: object) -> Mapping[str, Any]:
 
 
 def _variables(track: Any, design: Design) -> dict[str, DesignVariable]:
-    """The variables with their parts. Raises InputError for none, for an unknown part and for one that two variables scale."""
+    """The variables with their parts. Raises InputError for none, an unknown part and one that two variables scale."""
     parts, made = list(track.part_factors()), design.made()
     if design.variables is None and track.is_sample:
         made = {name: make_parameters(DesignVariable, SAMPLE_VARIABLE, name) for name in parts}
@@ -150,10 +150,13 @@ def _variables(track: Any, design: Design) -> dict[str, DesignVariable]:
         made[name] = variable = dataclasses.replace(variable, parts=variable.parts or (name,))
         for part in variable.parts:
             if part not in parts:
-                raise InputError(f"design.variables.{name}.parts: unknown part '{part}'; there are {', '.join(parts) or 'none'}")
+                raise InputError(
+                    f"design.variables.{name}.parts: unknown part '{part}'; there are {', '.join(parts) or 'none'}"
+                )
             if part in taken:
                 raise InputError(
-                    f"design.variables.{name}.parts: '{part}' is scaled by {taken[part]} already; one variable may scale a part"
+                    f"design.variables.{name}.parts: '{part}' is scaled by {taken[part]} already; "
+                    "one variable may scale a part"
                 )
             taken[part] = name
     return made

@@ -39,8 +39,8 @@ def force_figure(passages: Sequence[Passage]) -> Figure:
         level=static,
     )
     figure.set_label(
-        "Force between wheel and rail over the position of the wheel; the line of dashes and dots is the static wheel load. F_max "
-        "is the largest minus the smallest force in the force window (triangles); the bars at the right span it."
+        "Force between wheel and rail over the position of the wheel; the line of dashes and dots is the static wheel load. "
+        "F_max is the largest minus the smallest force in the force window (triangles); the bars at the right span it."
     )
     return figure
 
@@ -94,5 +94,7 @@ def _compared(
 
 def _window(passage: Passage, edges: tuple[str, str], position: FloatArray) -> tuple[float, float]:
     given = [getattr(passage.track.windows, edge) for edge in edges]
-    first, last = (float(end) if value is None else value for value, end in zip(given, (position[0], position[-1]), strict=True))
+    first, last = (
+        float(end) if value is None else value for value, end in zip(given, (position[0], position[-1]), strict=True)
+    )
     return first, last

@@ -26,13 +26,15 @@ def export_track(
 ) -> None:
     """Write the matrices of a track with tables of rail and supports, and a site file of `imported-track` that reads them.
 
-        railsearch export-track level-crossing --parts --out my-track
-        railsearch simulate imported-track --parameters my-track/site.toml
+    railsearch export-track level-crossing --parts --out my-track
+    railsearch simulate imported-track --parameters my-track/site.toml
     """
     registry = load_plugins()
     model = registry.track_model(name)
     if not hasattr(model, "export"):
         able = [e.name for e in registry.entries("track-model") if hasattr(e.plugin, "export")]
-        raise InputError(f"TRACK_MODEL: {name} has no matrices to export, those of {', '.join(able)} can be; name one of them")
+        raise InputError(
+            f"TRACK_MODEL: {name} has no matrices to export, those of {', '.join(able)} can be; name one of them"
+        )
     for path in write_track(out, model.export(asked_track(model, name, parameters, assigned), parts), file_format):
         messages.print(f"wrote {path}")

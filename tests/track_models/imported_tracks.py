@@ -15,10 +15,19 @@ EI, FOUNDATION, MASS, DAMPING = 4.9e6, 27e6, 54.0, 2e4
 
 
 def beam_matrices(length, count, foundation=FOUNDATION, damping=0.0):
-    """M, C, K of a beam with all ends free on a Winkler layer, by element matrices as printed in textbooks, not those of dynamics."""
+    """M, C, K of a beam with all ends free on a Winkler layer, by element matrices as textbooks print them."""
     l = length / count  # noqa: E741
-    bending = EI / l**3 * np.array(
-        [[12, 6 * l, -12, 6 * l], [6 * l, 4 * l**2, -6 * l, 2 * l**2], [-12, -6 * l, 12, -6 * l], [6 * l, 2 * l**2, -6 * l, 4 * l**2]]
+    bending = (
+        EI
+        / l**3
+        * np.array(
+            [
+                [12, 6 * l, -12, 6 * l],
+                [6 * l, 4 * l**2, -6 * l, 2 * l**2],
+                [-12, -6 * l, 12, -6 * l],
+                [6 * l, 2 * l**2, -6 * l, 4 * l**2],
+            ]
+        )
     )
     gram = l / 420 * np.array(
         [[156, 22 * l, 54, -13 * l], [22 * l, 4 * l**2, 13 * l, -3 * l**2], [54, 13 * l, 156, -22 * l], [-13 * l, -3 * l**2, -22 * l, 4 * l**2]]

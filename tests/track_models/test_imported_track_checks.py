@@ -38,11 +38,20 @@ FAULTS = {
     "not square": (with_matrix("damping", C[:, :80]), "a square matrix is needed, received shape"),
     "not symmetric": (with_matrix("stiffness", changed(K, r2_c4=1e7)), "symmetric matrix is needed.* in row 2, column 4"),
     "one triangle": (with_matrix("stiffness", scipy.sparse.tril(K).tocsr()), "only one triangle is there"),
-    "not finite": (with_matrix("stiffness", changed(K, r5_c5=np.nan)), "finite entries are needed, received nan in row 5, column 5"),
+    "not finite": (
+        with_matrix("stiffness", changed(K, r5_c5=np.nan)),
+        "finite entries are needed, received nan in row 5, column 5",
+    ),
     "complex": (with_matrix("stiffness", K * (1.0 + 0.05j)), "a real matrix is needed"),
-    "negative mass": (with_matrix("mass", changed(M, r6_c6=-1.0)), "positive semi-definite.* unknown 6 .* its diagonal is -1"),
+    "negative mass": (
+        with_matrix("mass", changed(M, r6_c6=-1.0)),
+        "positive semi-definite.* unknown 6 .* its diagonal is -1",
+    ),
     "negative damper": (with_matrix("damping", DAMPER), "damping.* positive semi-definite.* unknown 3 "),
-    "spring that pushes": (with_matrix("stiffness", K - 3e7 / 54.0 * M), "stiffness.* positive semi-definite.* negative energy"),
+    "spring that pushes": (
+        with_matrix("stiffness", K - 3e7 / 54.0 * M),
+        "stiffness.* positive semi-definite.* negative energy",
+    ),
     "coupling without diagonal": (
         with_matrix("damping", changed(0.0 * C, r3_c4=1.0, r4_c3=1.0)),
         "positive semi-definite.* its diagonal is 0",
@@ -73,11 +82,17 @@ def test_unsound_matrices_and_tables_are_refused(tmp_path, fault):
 
 
 FIELDS = {
-    "run beyond the rail": (dict(passage=Passage(end=12.0)), r"must cover the run, from 0 to 10 m, received a run from 0 to 12 m"),
+    "run beyond the rail": (
+        dict(passage=Passage(end=12.0)),
+        r"must cover the run, from 0 to 10 m, received a run from 0 to 12 m",
+    ),
     "run backwards": (dict(passage=Passage(start=8.0, end=3.0)), "received a run from 8 to 3 m"),
     "one step": (dict(passage=Passage(time_step=0.5)), "must take 2 to 1e.06 steps"),
     "force window": (dict(windows=Windows(force_to=11.0)), "force window must lie in the run"),
-    "energy window": (dict(windows=Windows(energy_from=4.5, energy_to=6.5)), "two or more supports must be measured, received 1"),
+    "energy window": (
+        dict(windows=Windows(energy_from=4.5, energy_to=6.5)),
+        "two or more supports must be measured, received 1",
+    ),
     "short profile": (dict(irregularity=Irregularity((0.0, 5.0), (0.0, 0.0))), "cover the run from 0 to 10 m"),
     "unsorted profile": (dict(irregularity=Irregularity((0.0, 5.0, 4.0, 11.0), (0.0,) * 4)), "positions must ascend"),
     "unknown interpolation": (dict(rail=Rail("quintic")), "'auto' or 'hermite'"),
@@ -95,7 +110,11 @@ def test_unsound_parameters_are_refused(tmp_path, fault):
 
 @pytest.mark.parametrize(
     ("line", "words"),
-    [("0.75,6.5,7", "received 6.5 at 0.75 m"), ("0.75,six,7", "rows of as many numbers"), ("0.75,6", "rows of as many numbers")],
+    [
+        ("0.75,6.5,7", "received 6.5 at 0.75 m"),
+        ("0.75,six,7", "rows of as many numbers"),
+        ("0.75,6", "rows of as many numbers"),
+    ],
 )
 def test_a_table_with_a_line_that_is_wrong_is_refused(tmp_path, line, words):
     track = written(tmp_path / "track", SMALL)
@@ -156,8 +175,14 @@ def test_a_sound_track_is_not_warned_of(tmp_path):
     ("export", "words"),
     [
         (replace(SMALL, matrices={k: 1e-3 * m for k, m in SMALL.matrices.items()}), "a deflection under the wheel of 1"),
-        (replace(SMALL, matrices=dict(SMALL.matrices) | {"mass": 1e6 * M}), "a frequency of the track under the wheel of 0."),
-        (replace(SMALL, rail=SMALL.rail * [1e3, 1.0, 1.0], supports=SMALL.supports * [1e3, 1.0, 1.0]), "rail nodes up to 250 m"),
+        (
+            replace(SMALL, matrices=dict(SMALL.matrices) | {"mass": 1e6 * M}),
+            "a frequency of the track under the wheel of 0.",
+        ),
+        (
+            replace(SMALL, rail=SMALL.rail * [1e3, 1.0, 1.0], supports=SMALL.supports * [1e3, 1.0, 1.0]),
+            "rail nodes up to 250 m",
+        ),
     ],
     ids=["N/mm and t", "mg", "mm"],
 )

@@ -121,7 +121,9 @@ def test_the_static_deflection_converges(tmp_path, interpolation, order):
 
 
 def test_work_of_gravity_and_drive_is_dissipated_or_stored(tmp_path):
-    ledgers = [energy_ledger(written(tmp_path / route, beam_export(damping=DAMPING)), route) for route in ("banded", "envelope")]
+    ledgers = [
+        energy_ledger(written(tmp_path / route, beam_export(damping=DAMPING)), route) for route in ("banded", "envelope")
+    ]
     for gravity, drive, dissipated, stored in ledgers:
         assert dissipated > 1.0
         assert gravity + drive == pytest.approx(dissipated + stored, abs=1e-9 * dissipated)
@@ -132,8 +134,16 @@ def energy_ledger(parameters, route):
     steps = np.arange(simulate_passage(parameters).position.size)
     made = simulate_passage(parameters, steps, route)
     run, vehicle, dt = made.passage, made.vehicle, parameters.passage.time_step
-    mass, damping, stiffness = (whole_matrix(made.values[kind], made.track.pattern) for kind in ("mass", "damping", "stiffness"))
-    u, v, z, zv, force = run.track_displacement, run.track_velocity, run.vehicle_displacement, run.vehicle_velocity, run.force[:, 0]
+    mass, damping, stiffness = (
+        whole_matrix(made.values[kind], made.track.pattern) for kind in ("mass", "damping", "stiffness")
+    )
+    u, v, z, zv, force = (
+        run.track_displacement,
+        run.track_velocity,
+        run.vehicle_displacement,
+        run.vehicle_velocity,
+        run.force[:, 0],
+    )
     places = np.repeat(steps, 4), made.contact.unknowns.ravel()
     rows = scipy.sparse.csr_array((made.contact.rows.ravel(), places), shape=(steps.size, u.shape[1]))
     drive = -0.5 * (rows[1:] - rows[:-1]).multiply(force[:-1, None] * u[1:] + force[1:, None] * u[:-1]).sum()
@@ -153,7 +163,9 @@ def quadratic(matrix, states):
 
 def test_a_mirrored_track_gives_the_same_energies_as_a_run_from_the_other_side_would(tmp_path):
     # Even track, even passage: supports far from both ends cannot tell where they are.
-    parameters = replace(written(tmp_path / "track", beam_export(120.0, 480)), windows=Windows(energy_from=60.0, energy_to=90.0))
+    parameters = replace(
+        written(tmp_path / "track", beam_export(120.0, 480)), windows=Windows(energy_from=60.0, energy_to=90.0)
+    )
     response = ImportedTrack().simulate(parameters, histories=True)
     assert response.metrics["E_max"] < 0.05 * response.metrics["E_rms"]
 

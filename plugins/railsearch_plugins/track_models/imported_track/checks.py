@@ -84,7 +84,9 @@ def warn_of_units(parameters: ImportedTrackParameters, track: ImportedMatrices) 
     load, values = np.zeros(track.pattern.size), track.assembled(parameters.part_factors())
     load[track.rail.vertical[middle]] = parameters.vehicle.static_load
     shape = static_displacement(values["stiffness"], track.pattern, load)
-    _warn_unless(float(np.diff(track.rail.position).max()), (0.0, LONGEST_SPACING), "rail nodes up to", "m apart", "positions in m")
+    _warn_unless(
+        float(np.diff(track.rail.position).max()), (0.0, LONGEST_SPACING), "rail nodes up to", "m apart", "positions in m"
+    )
     if shape is None:
         return
     deflection = float(shape[track.rail.vertical[middle]])
@@ -105,8 +107,8 @@ def _quadratic(values: FloatArray, track: ImportedMatrices, shape: FloatArray) -
 def _warn_unless(value: float, allowed: tuple[float, float], what: str, unit: str, units: str) -> None:
     if not allowed[0] <= value <= allowed[1]:
         warnings.warn(
-            f"{MODEL}: {what} {value:.3g} {unit} is not that of a railway track, {allowed[0]:g} to {allowed[1]:g} {unit} is; "
-            f"are the units SI ({units})?",
+            f"{MODEL}: {what} {value:.3g} {unit} is not that of a railway track, {allowed[0]:g} to {allowed[1]:g} {unit} "
+            f"is; are the units SI ({units})?",
             UnitWarning,
             stacklevel=4,
         )
@@ -126,8 +128,8 @@ def _check_steps(parameters: ImportedTrackParameters, run: tuple[float, float]) 
     steps = (run[1] - run[0]) / (passage.speed * passage.time_step)
     if not 2.0 <= steps <= MOST_STEPS:
         raise InputError(
-            f"{MODEL}.passage.time_step: a run of {run[1] - run[0]:g} m at {passage.speed:g} m/s must take 2 to {MOST_STEPS:g} "
-            f"steps, received {passage.time_step:g} s, which makes {steps:g}; change the time step"
+            f"{MODEL}.passage.time_step: a run of {run[1] - run[0]:g} m at {passage.speed:g} m/s must take 2 to "
+            f"{MOST_STEPS:g} steps, received {passage.time_step:g} s, which makes {steps:g}; change the time step"
         )
 
 
@@ -136,8 +138,8 @@ def _check_windows(parameters: ImportedTrackParameters, track: ImportedMatrices,
     least = 2.0 * parameters.passage.speed * parameters.passage.time_step
     if not (run[0] - SAME_PLACE <= first and last <= run[1] + SAME_PLACE and last - first >= least):
         raise InputError(
-            f"{MODEL}.windows.force_from, force_to: the force window must lie in the run from {run[0]:g} to {run[1]:g} m and "
-            f"hold two time steps ({least:g} m), received {first:g} to {last:g} m; move the window or lengthen the run"
+            f"{MODEL}.windows.force_from, force_to: the force window must lie in the run from {run[0]:g} to {run[1]:g} m "
+            f"and hold two time steps ({least:g} m), received {first:g} to {last:g} m; move the window or lengthen the run"
         )
     count = int(np.count_nonzero(measured_supports(parameters, track)))
     if count < 2:

@@ -48,7 +48,9 @@ def stamp(place: Place) -> tuple[int, int]:
     try:
         status = place.file.stat()
     except OSError as error:
-        raise InputError(f"{place.file}: cannot be read: {error.strerror}; paths in a site file are {{ file = … }}") from None
+        raise InputError(
+            f"{place.file}: cannot be read: {error.strerror}; paths in a site file are {{ file = … }}"
+        ) from None
     return status.st_mtime_ns, status.st_size
 
 

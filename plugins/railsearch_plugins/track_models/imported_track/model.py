@@ -13,8 +13,8 @@ from railsearch_plugins.track_models.imported_track.parameters import ImportedTr
 class ImportedTrack:
     """One wheel crosses a track whose matrices come from any finite element program.
 
-    M, C and K are read from MatrixMarket, MATLAB or NumPy files with tables of rail nodes and supports, and parts of the track
-    can be scaled. docs/imported-track.md says how to export them; `railsearch export-track` writes them for a model of ours.
+    M, C and K are read from MatrixMarket, MATLAB or NumPy files with tables of rail nodes and supports, and parts of the
+    track can be scaled. docs/imported-track.md says how to export them; `railsearch export-track` writes them for a model of ours.
     """
 
     Parameters = ImportedTrackParameters
@@ -45,14 +45,17 @@ class ImportedTrack:
     def check(self, parameters: ImportedTrackParameters) -> None:
         """Raise InputError for parameters and files that are not allowed or do not fit together; warn of odd units."""
         from railsearch_plugins.track_models.imported_track.checks import checked
+        from railsearch_plugins.track_models.imported_track.passage import check_stable
 
-        self._warn(*checked(parameters))
+        sound, track = checked(parameters)
+        check_stable(sound)
+        self._warn(sound, track)
 
     def simulate(self, parameters: ImportedTrackParameters, histories: bool = False) -> Response:
         """Simulate one passage, from static equilibrium with the wheel at the start of the run.
 
-        Returns the metrics, and with `histories` the histories of `ImportedTrack.histories`: (t,) for the wheel, (s,) for the
-        supports. Raises InputError for parameters that are not allowed, SimulationError if the solution diverges.
+        Returns the metrics, and with `histories` those of `ImportedTrack.histories`: (t,) for the wheel, (s,) for the supports.
+        Raises InputError for parameters that are not allowed, SimulationError if the solution diverges.
         """
         from railsearch_plugins.track_models.imported_track import measures, passage
         from railsearch_plugins.track_models.imported_track.checks import checked

@@ -45,8 +45,8 @@ class Files:
     )
     supports: str = parameter(
         SAMPLE + "supports.csv",
-        meaning="table of supports whose energy is wanted: position [m], unknown, damping [N s/m] and, if the damper is not on "
-        "ground, the unknown at its other end",
+        meaning="table of supports whose energy is wanted: position [m], unknown, damping [N s/m] and, if the damper is not "
+        "on ground, the unknown at its other end",
         source=EXPORTED,
     )
     first_unknown: int = parameter(
@@ -60,8 +60,8 @@ class Rail:
 
     interpolation: str = parameter(
         "auto",
-        meaning="of the rail between nodes: 'hermite' needs rotations; 'cubic' and 'linear' go through the vertical unknowns; "
-        "'auto' is hermite with rotations and cubic without",
+        meaning="of the rail between nodes: 'hermite' needs rotations; 'cubic' and 'linear' go through the vertical "
+        "unknowns; 'auto' is hermite with rotations and cubic without",
         choices=("auto", "hermite", "cubic", "linear"),
     )
     rotation: str = parameter(
@@ -91,7 +91,9 @@ class Passage:
 class Windows:
     """Where force and carbody acceleration, and over which supports energy, are measured; edges are inclusive."""
 
-    force_from: float | None = parameter(None, unit="m", meaning="begin of the force window; not given: the start of the run")
+    force_from: float | None = parameter(
+        None, unit="m", meaning="begin of the force window; not given: the start of the run"
+    )
     force_to: float | None = parameter(None, unit="m", meaning="its end; not given: the end of the run")
     energy_from: float | None = parameter(None, unit="m", meaning="first support measured; not given: the first of all")
     energy_to: float | None = parameter(None, unit="m", meaning="last support measured; not given: the last of all")

@@ -82,9 +82,7 @@ class SparseSolver:
         return 0, self.solve(load)
 
 
-def simulate_passage(
-    parameters: ImportedTrackParameters, steps: IntArray = NO_STEPS, route: str | None = None
-) -> Simulated:
+def simulate_passage(parameters: ImportedTrackParameters, steps: IntArray = NO_STEPS, route: str | None = None) -> Simulated:
     """Run a passage; states of the track are kept at `steps` (k,); `route` is one of ROUTES in place of the fastest.
 
     Raises InputError for matrices that do not fit together, or that cannot carry the wheel where it starts.
@@ -100,6 +98,19 @@ def simulate_passage(
     taken = {"banded": _banded_passage, "envelope": _any_passage, "sparse": _any_passage}[chosen]
     passage = taken(track, values, vehicle, contact, parameters.passage.time_step, steps, chosen)
     return Simulated(track, values, vehicle, contact, position, passage)
+
+
+def check_stable(parameters: ImportedTrackParameters) -> None:
+    """Raise InputError unless the equations of a step and of the start can be solved with the parts at their factors."""
+    track, dt = imported(parameters), parameters.passage.time_step
+    values = track.assembled(parameters.part_factors())
+    newmark = _newmark(values, dt)
+    _, row = factor(newmark, track.pattern) if track.pattern.short else sparse_factor(newmark, track.pattern)
+    _check_newmark(row, track.pattern, dt)
+    load = np.zeros(track.pattern.size)
+    load[track.rail.vertical.max()] = 1.0
+    if static_displacement(values["stiffness"], track.pattern, load) is None:
+        _refuse_stiffness()
 
 
 def fastest_route(track: ImportedMatrices) -> str:
@@ -134,11 +145,15 @@ def start_displacement(
         return load
     displacement = static_displacement(stiffness, track.pattern, load)
     if displacement is None:
-        raise InputError(
-            "imported-track.files.stiffness: a positive definite matrix is needed for the static equilibrium under the wheel, "
-            "received one that is singular or indefinite with its parts; hold the track, and keep factors of parts at 0 or above"
-        )
-    return displacement
+        _refuse_stiffness()
+    return np.asarray(displacement)
+
+
+def _refuse_stiffness() -> None:
+    raise InputError(
+        "imported-track.files.stiffness: a positive definite matrix is needed for the static equilibrium under the wheel, "
+        "received one that is singular or indefinite with its parts; hold the track, and keep factors of parts at 0 or above"
+    )
 
 
 def _newmark(values: dict[str, FloatArray], time_step: float) -> FloatArray:
@@ -149,9 +164,9 @@ def _newmark(values: dict[str, FloatArray], time_step: float) -> FloatArray:
 def _check_newmark(row: int, pattern: Pattern, time_step: float) -> None:
     if row >= 0:
         raise InputError(
-            "imported-track.files: 4 M/dt² + 2 C/dt + K with all parts must be positive definite, received pivots that are not, "
-            f"first at unknown {pattern.order[row]} (from 0) with passage.time_step {time_step:g} s; give every unknown mass or "
-            "stiffness, and keep factors of parts at 0 or above"
+            "imported-track.files: 4 M/dt² + 2 C/dt + K with all parts must be positive definite, received pivots that are "
+            f"not, first at unknown {pattern.order[row]} (from 0) with passage.time_step {time_step:g} s; give every unknown "
+            "mass or stiffness, and keep factors of parts at 0 or above"
         )
 
 
@@ -201,16 +216,12 @@ def _any_passage(
     return pass_over_any(solver, vehicle, contact, time_step, start, PairObservation(pairs, steps))
 
 
-def _envelope_solver(
-    pattern: Pattern, values: dict[str, FloatArray], contact: Contact, time_step: float
-) -> TrackSolver:
+def _envelope_solver(pattern: Pattern, values: dict[str, FloatArray], contact: Contact, time_step: float) -> TrackSolver:
     lower, row = factor(_newmark(values, time_step), pattern)
     _check_newmark(row, pattern, time_step)
     columns = envelope.Columns(*envelope.inverse_columns(*pattern.envelope, lower, np.unique(contact.unknowns)))
     scaled_mass = (2.0 / time_step) * values["mass"]
-    return EnvelopeSolver(
-        pattern.rows, pattern.columns, scaled_mass, -values["stiffness"], pattern.envelope, lower, columns
-    )
+    return EnvelopeSolver(pattern.rows, pattern.columns, scaled_mass, -values["stiffness"], pattern.envelope, lower, columns)
 
 
 def _sparse_solver(pattern: Pattern, values: dict[str, FloatArray], contact: Contact, time_step: float) -> TrackSolver:

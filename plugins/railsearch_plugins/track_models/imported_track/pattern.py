@@ -23,7 +23,7 @@ from railsearch_plugins.dynamics.envelope import Envelope, envelope_of, factoris
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Values in an envelope up to which it is factorised (0.4 GB). Beyond, general sparse LU is taken; see docs/imported-track.md.
+# Values in an envelope up to which it is factorised (0.4 GB). Beyond, general sparse LU is taken.
 MOST_VALUES = 50_000_000
 
 # Negative eigenvalues of S A S that rounding in an export may leave.

@@ -6,7 +6,7 @@ x_i     positions of the rail nodes                                     (k,)    
 ξ, l    offset of a wheel in its element, length of the element                 m
 
 With rotations N are the Hermite functions. Without, `cubic` gives every node the slope of the parabola through it and its
-neighbours (at the ends through the two next to it), a piecewise cubic with a continuous slope that has every parabola exactly;
+neighbours (at the ends through the two next to it), a piecewise cubic with a continuous slope, exact for parabolas;
 `linear` is the chord. All rows of vertical unknowns sum to one: the track receives the whole force.
 """
 
@@ -20,7 +20,9 @@ from railsearch_plugins.track_models.imported_track.tables import RailTable
 FloatArray = NDArray[np.float64]
 
 
-def rail_contact(rail: RailTable, interpolation: str, positions: FloatArray, irregularity: FloatArray, sign: float) -> Contact:
+def rail_contact(
+    rail: RailTable, interpolation: str, positions: FloatArray, irregularity: FloatArray, sign: float
+) -> Contact:
     """Contact (t, 1) of one wheel at `positions` (t,) in m; irregularity (t,) downward in m.
 
     interpolation: 'hermite', 'cubic' or 'linear'; sign: −1 where rotations are the negative slope.

@@ -30,7 +30,7 @@ class RailTable:
 
 @dataclass(frozen=True)
 class SupportTable:
-    """Supports ascending: position (s,) in m, unknown (s,), damping (s,) in N s/m, unknown at the other end (s,), −1 ground."""
+    """Supports ascending: position (s,) in m, unknown (s,), damping (s,) in N s/m, unknown at the other end, −1 ground."""
 
     position: FloatArray
     unknown: IntArray
@@ -106,9 +106,7 @@ def _check_positions(place: Place, position: FloatArray, what: str, repeated: bo
         )
 
 
-def _unknowns(
-    place: Place, column: FloatArray, what: str, position: FloatArray, size: int, first_unknown: int
-) -> IntArray:
+def _unknowns(place: Place, column: FloatArray, what: str, position: FloatArray, size: int, first_unknown: int) -> IntArray:
     """Unknowns from 0 (k,), −1 where the column is empty or negative."""
     given = np.where(np.isnan(column), -1.0, column)
     held = given < 0.0

@@ -107,8 +107,8 @@ def _read(
 def _check_shape(place: Place, matrix: Any, size: int, other: Place) -> None:
     if matrix.shape[0] != size:
         raise InputError(
-            f"{place}: as many rows as the stiffness matrix has are needed, {size} as in {other}, received {matrix.shape[0]}; "
-            "export all matrices with the same boundary conditions"
+            f"{place}: as many rows as the stiffness matrix has are needed, {size} as in {other}, received "
+            f"{matrix.shape[0]}; export all matrices with the same boundary conditions"
         )
 
 
@@ -127,8 +127,8 @@ def _check_symmetry(place: Place, matrix: Any) -> None:
         else "couplings by follower forces or contact with friction have no place here"
     )
     raise InputError(
-        f"{place}: a symmetric matrix is needed, received {matrix[row, column]:g} in row {row}, column {column} (from 0) and "
-        f"{matrix[column, row]:g} across the diagonal; {remedy}"
+        f"{place}: a symmetric matrix is needed, received {matrix[row, column]:g} in row {row}, column {column} (from 0) "
+        f"and {matrix[column, row]:g} across the diagonal; {remedy}"
     )
 
 
