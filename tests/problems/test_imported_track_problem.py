@@ -12,18 +12,12 @@ from railsearch.errors import InputError
 from railsearch.site import read_toml
 from railsearch_problems.imported_track import Design
 
-SHORT = [
-    "--set",
-    "geometry.total_length=35",
-    "--set",
-    "geometry.approach_length=14",
-    "--set",
-    "geometry.slab_length=5",
-    "--set",
-    "windows.energy_sleepers=10",
-    "--set",
-    "passage.element_length=0.2",
-]
+LENGTHS = {"total_length": 35, "approach_length": 14, "slab_length": 5}
+CHANGES = {f"geometry.{name}": value for name, value in LENGTHS.items()} | {
+    "windows.energy_sleepers": 10,
+    "passage.element_length": 0.2,
+}
+SHORT = [word for name, value in CHANGES.items() for word in ("--set", f"{name}={value}")]
 VARIABLES = """
 [design.variables.pad_3]
 lower = 50.0

@@ -83,21 +83,21 @@ def test_unsound_matrices_and_tables_are_refused(tmp_path, fault):
 
 FIELDS = {
     "run beyond the rail": (
-        dict(passage=Passage(end=12.0)),
+        {"passage": Passage(end=12.0)},
         r"must cover the run, from 0 to 10 m, received a run from 0 to 12 m",
     ),
-    "run backwards": (dict(passage=Passage(start=8.0, end=3.0)), "received a run from 8 to 3 m"),
-    "one step": (dict(passage=Passage(time_step=0.5)), "must take 2 to 1e.06 steps"),
-    "force window": (dict(windows=Windows(force_to=11.0)), "force window must lie in the run"),
+    "run backwards": ({"passage": Passage(start=8.0, end=3.0)}, "received a run from 8 to 3 m"),
+    "one step": ({"passage": Passage(time_step=0.5)}, "must take 2 to 1e.06 steps"),
+    "force window": ({"windows": Windows(force_to=11.0)}, "force window must lie in the run"),
     "energy window": (
-        dict(windows=Windows(energy_from=4.5, energy_to=6.5)),
+        {"windows": Windows(energy_from=4.5, energy_to=6.5)},
         "two or more supports must be measured, received 1",
     ),
-    "short profile": (dict(irregularity=Irregularity((0.0, 5.0), (0.0, 0.0))), "cover the run from 0 to 10 m"),
-    "unsorted profile": (dict(irregularity=Irregularity((0.0, 5.0, 4.0, 11.0), (0.0,) * 4)), "positions must ascend"),
-    "unknown interpolation": (dict(rail=Rail("quintic")), "'auto' or 'hermite'"),
-    "no such file": (dict(files=Files(mass="nowhere.mtx")), "nowhere.mtx: cannot be read"),
-    "no such kind": (dict(files=Files(mass=__file__)), "a file .mtx, .mat or .npz is needed, received '.py'"),
+    "short profile": ({"irregularity": Irregularity((0.0, 5.0), (0.0, 0.0))}, "cover the run from 0 to 10 m"),
+    "unsorted profile": ({"irregularity": Irregularity((0.0, 5.0, 4.0, 11.0), (0.0,) * 4)}, "positions must ascend"),
+    "unknown interpolation": ({"rail": Rail("quintic")}, "'auto' or 'hermite'"),
+    "no such file": ({"files": Files(mass="nowhere.mtx")}, "nowhere.mtx: cannot be read"),
+    "no such kind": ({"files": Files(mass=__file__)}, "a file .mtx, .mat or .npz is needed, received '.py'"),
 }
 
 
@@ -202,12 +202,12 @@ def matlab(path, **arrays):
 
 def test_one_matlab_file_with_unknowns_from_1(tmp_path):
     expected = ImportedTrack().simulate(written(tmp_path / "track", SMALL)).metrics
-    rail, supports = SMALL.rail + [0.0, 1.0, 1.0], SMALL.supports + [0.0, 1.0, 0.0]
+    rail, supports = SMALL.rail + np.array([0.0, 1.0, 1.0]), SMALL.supports + np.array([0.0, 1.0, 0.0])
     file = matlab(tmp_path / "t.mat", M=M.tocsc(), C=C.tocsc(), K=K.toarray(), rail=rail, supports=supports)
     names = {field: f"{file}#{name}" for field, name in (("mass", "M"), ("damping", "C"), ("stiffness", "K"))}
     files = Files(**names, rail=f"{file}#rail", supports=f"{file}#supports", first_unknown=1)
     assert ImportedTrack().simulate(ImportedTrackParameters(files=files)).metrics == pytest.approx(expected, rel=1e-9)
-    with pytest.raises(InputError, match="received 82 at 10 m; files.first_unknown is 0|0 to 81"):
+    with pytest.raises(InputError, match=r"received 82 at 10 m; files.first_unknown is 0|0 to 81"):
         ImportedTrack().check(ImportedTrackParameters(files=replace(files, first_unknown=0)))
 
 
@@ -217,7 +217,7 @@ def test_matrices_of_scipy_and_dense_ones_of_numpy(tmp_path, kind):
     np.savez(tmp_path / "two.npz", K=K.toarray(), M=M.toarray())
     np.testing.assert_array_equal(read_matrix(place_of(str(tmp_path / "one.npz")), "stiffness").toarray(), K.toarray())
     np.testing.assert_array_equal(read_matrix(place_of(str(tmp_path / "two.npz#K")), "stiffness").toarray(), K.toarray())
-    with pytest.raises(InputError, match="no array 'stiffness'; the file has K, M, name one as two.npz#NAME"):
+    with pytest.raises(InputError, match=r"no array 'stiffness'; the file has K, M, name one as two.npz#NAME"):
         read_matrix(place_of(str(tmp_path / "two.npz")), "stiffness")
 
 

@@ -1,4 +1,4 @@
-"""What mechanics demands of an imported track: round trips, closed forms, energy, symmetry, convergence, fast path against slow."""
+"""What mechanics demands of an imported track: round trips, closed forms, energy, symmetry, convergence, slow twins."""
 
 from dataclasses import replace
 
@@ -109,7 +109,7 @@ def test_a_wheel_on_an_even_track_settles_at_the_closed_form(tmp_path, share):
 
 @pytest.mark.parametrize(("interpolation", "order"), [("hermite", 3.0), ("cubic", 2.0), ("linear", 2.0)])
 def test_the_static_deflection_converges(tmp_path, interpolation, order):
-    # Between nodes; without rotations the force is carried to nodes next to it, which spreads the load over an element or two.
+    # Between nodes; without rotations the force is carried to nodes next to it, which spreads the load.
     exact, errors = 50e3 * WAVE_NUMBER / (2.0 * FOUNDATION), []
     for count in (80, 160, 320):
         track = written(tmp_path / str(count), beam_export(40.0, count))

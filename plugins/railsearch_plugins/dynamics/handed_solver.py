@@ -145,7 +145,7 @@ def _add_forces(load: FloatArray, contact: Contact, n: int, forces: FloatArray) 
 
 def _extrapolated(force: FloatArray, n: int) -> FloatArray:
     """The parabola through the last three forces, at step n; the last force if there are fewer."""
-    return force[n - 1] if n < 3 else 3.0 * (force[n - 1] - force[n - 2]) + force[n - 3]
+    return np.asarray(force[n - 1] if n < 3 else 3.0 * (force[n - 1] - force[n - 2]) + force[n - 3])
 
 
 def _receptance(contact: Contact, n: int, responses: list[tuple[int, FloatArray]], size: int) -> FloatArray:

@@ -14,7 +14,8 @@ class ImportedTrack:
     """One wheel crosses a track whose matrices come from any finite element program.
 
     M, C and K are read from MatrixMarket, MATLAB or NumPy files with tables of rail nodes and supports, and parts of the
-    track can be scaled. docs/imported-track.md says how to export them; `railsearch export-track` writes them for a model of ours.
+    track can be scaled. docs/imported-track.md says how to export them; `railsearch export-track` writes them for a model of
+    ours.
     """
 
     Parameters = ImportedTrackParameters
@@ -54,8 +55,8 @@ class ImportedTrack:
     def simulate(self, parameters: ImportedTrackParameters, histories: bool = False) -> Response:
         """Simulate one passage, from static equilibrium with the wheel at the start of the run.
 
-        Returns the metrics, and with `histories` those of `ImportedTrack.histories`: (t,) for the wheel, (s,) for the supports.
-        Raises InputError for parameters that are not allowed, SimulationError if the solution diverges.
+        Returns the metrics, and with `histories` those of `ImportedTrack.histories`: (t,) for the wheel, (s,) for the
+        supports. Raises InputError for parameters that are not allowed, SimulationError if the solution diverges.
         """
         from railsearch_plugins.track_models.imported_track import measures, passage
         from railsearch_plugins.track_models.imported_track.checks import checked
