@@ -1,4 +1,4 @@
-"""docs/imported-track.md: its site file is sound, its commands are there, and its script reads what Abaqus is said to write."""
+"""docs/imported-track.md: its site file is sound, its commands are there, its script reads Abaqus' format."""
 
 import re
 import tomllib

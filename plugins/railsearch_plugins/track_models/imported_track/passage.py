@@ -165,8 +165,8 @@ def _check_newmark(row: int, pattern: Pattern, time_step: float) -> None:
     if row >= 0:
         raise InputError(
             "imported-track.files: 4 M/dt² + 2 C/dt + K with all parts must be positive definite, received pivots that "
-            f"are not, first at unknown {pattern.order[row]} (from 0) with passage.time_step {time_step:g} s; give every unknown "
-            "mass or stiffness, and keep factors of parts at 0 or above"
+            f"are not, first at unknown {pattern.order[row]} (from 0) with passage.time_step {time_step:g} s; give every "
+            "unknown mass or stiffness, and keep factors of parts at 0 or above"
         )
 
 
