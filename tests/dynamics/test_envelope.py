@@ -42,7 +42,7 @@ def test_the_first_row_that_is_not_positive_is_told():
     assert row == int(np.argmax(np.array(minors) <= 0.0))
 
 
-def beam(count):
+def beam(count, foundation=2e7, damping=2e4):
     """A pinned beam on a soft layer: nodes, unknowns of the nodes, and M, C, K by diagonals."""
     nodes = np.linspace(0.0, 0.25 * count, count + 1)
     unknowns = np.arange(-1, 2 * count + 1).reshape(count + 1, 2)
@@ -51,7 +51,7 @@ def beam(count):
     spans = np.diff(nodes)
     gram = banded.assemble([(elements, gram_matrices(spans, 0.0, spans))], 2 * count, 3)
     bending = banded.assemble([(elements, bending_matrices(spans, 5e6))], 2 * count, 3)
-    return nodes, unknowns, Track(54.0 * gram, 2e4 * gram, bending + 2e7 * gram)
+    return nodes, unknowns, Track(54.0 * gram, damping * gram, bending + foundation * gram)
 
 
 def envelope_solver(track, unknowns, step):
@@ -80,16 +80,17 @@ def dense(band):
 
 
 def test_cut_columns_are_those_of_the_inverse():
-    nodes, unknowns, track = beam(400)
+    # A long step on a soft layer: the columns decay over many blocks of rows.
+    nodes, unknowns, track = beam(400, 2e4, 0.0)
     wanted = np.array([0, 5, 399, 400, 798])
-    solver, newmark = envelope_solver(track, wanted, 1e-3)
+    solver, newmark = envelope_solver(track, wanted, 0.02)
     inverse = np.linalg.inv(dense(newmark))
     for k in wanted:
         first, values = solver.response(np.array([k, k, k, k]), np.array([1.0, 0.0, 0.0, 0.0]))
         column = np.zeros(inverse.shape[0])
         column[first : first + values.size] = values
         np.testing.assert_allclose(column, inverse[:, k], atol=1e-8 * np.abs(inverse[:, k]).max())
-    assert values.size < 400
+    assert 300 < values.size < 600
     assert nodes.size == unknowns.shape[0]
 
 
