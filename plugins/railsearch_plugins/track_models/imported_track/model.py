@@ -7,7 +7,7 @@ import numpy as np
 
 from railsearch.interfaces import Quantity, Response
 from railsearch_plugins.single_wheel import WHEEL_HISTORIES, WHEEL_METRICS
-from railsearch_plugins.track_models.imported_track.parameters import ImportedTrackParameters, Passage
+from railsearch_plugins.track_models.imported_track.parameters import Files, ImportedTrackParameters, Passage
 
 
 class ImportedTrack:
@@ -33,7 +33,7 @@ class ImportedTrack:
     )
 
     def __init__(self) -> None:
-        self._warned_of: object = None
+        self._warned_of: Files | None = None
 
     def warm_up(self) -> None:
         """Compile the kernels by passages over a stretch of the sample track."""
@@ -69,9 +69,9 @@ class ImportedTrack:
         return Response(metrics, {name: np.asarray(values) for name, values in series.items()} if histories else {})
 
     def _warn(self, parameters: ImportedTrackParameters, track: object) -> None:
-        """Warn of odd units once per track."""
+        """Warn of odd units once per set of files."""
         from railsearch_plugins.track_models.imported_track.checks import warn_of_units
 
-        if track is not self._warned_of:
-            self._warned_of = track
+        if parameters.files != self._warned_of:
+            self._warned_of = parameters.files
             warn_of_units(parameters, track)  # type: ignore[arg-type]
