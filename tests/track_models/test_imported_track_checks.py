@@ -160,6 +160,12 @@ def test_a_factor_that_makes_the_track_unstable_is_refused(tmp_path):
         replace(track, factors={"base": 1.0})
 
 
+def test_a_factor_that_takes_the_mass_away_is_refused(tmp_path):
+    track = written(tmp_path / "track", replace(SMALL, parts={"rail": {"mass": M}}, factors={"rail": 1.0}))
+    with pytest.raises(InputError, match=r"4 M/dt² \+ 2 C/dt \+ K with all parts must be positive definite.* unknown \d+ "):
+        ImportedTrack().simulate(replace(track, factors={"rail": -2.0}))
+
+
 def test_a_part_without_a_file_is_refused():
     with pytest.raises(InputError, match=r"parts.pad: a file of mass, damping or stiffness is needed"):
         ImportedTrackParameters(parts={"pad": {}})
