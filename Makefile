@@ -6,7 +6,8 @@ DEMO := demo-run
 POSTGRESQL := $(shell command -v initdb || ls /usr/lib/postgresql/*/bin/initdb 2>/dev/null)
 WITHOUT_SYSTEM := $(shell command -v chromium >/dev/null 2>&1 && test -n "$(POSTGRESQL)" || echo "not system")
 WITHOUT_TORCH = $(shell $(BIN)/python -c "import torch" 2>/dev/null || echo "not torch")
-MARK = $(WITHOUT_SYSTEM)$(if $(WITHOUT_SYSTEM),$(if $(WITHOUT_TORCH), and ))$(WITHOUT_TORCH)
+WITHOUT_FEM = $(shell $(BIN)/python -c "import skfem" 2>/dev/null || echo "not fem")
+MARK = $(subst $() not, and not,$(strip $(WITHOUT_SYSTEM) $(WITHOUT_TORCH) $(WITHOUT_FEM)))
 
 .PHONY: demo test lint benchmark clean
 
@@ -16,7 +17,7 @@ demo: $(VENV)/run.stamp
 
 test: $(VENV)/test.stamp lint
 	$(BIN)/pytest -n 2 --dist loadgroup -m "$(MARK)"
-	@test -z "$(MARK)" || $(BIN)/pytest --collect-only -q -m "not ($(MARK))" 2>/dev/null | sed -n 's/^tests.*::/left out for want of Chromium, PostgreSQL or PyTorch: &/p'
+	@test -z "$(MARK)" || $(BIN)/pytest --collect-only -q -m "not ($(MARK))" 2>/dev/null | sed -n 's/^tests.*::/left out for want of Chromium, PostgreSQL, PyTorch or scikit-fem: &/p'
 
 lint: $(VENV)/test.stamp
 	$(BIN)/ruff check .

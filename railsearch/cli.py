@@ -14,6 +14,7 @@ from railsearch.commands.evaluation import evaluate, simulate
 from railsearch.commands.options import messages
 from railsearch.commands.sampling import sample
 from railsearch.commands.search import dashboard, run, show
+from railsearch.commands.track_export import export_track
 from railsearch.errors import RailsearchError
 from railsearch.hookspecs import hookimpl
 from railsearch.plugin_manager import load_plugins
@@ -44,6 +45,7 @@ def railsearch_commands(register: Callable[[str, Any], None]) -> None:
         ("campaign", campaign),
         ("report", report),
         ("export", export),
+        ("export-track", export_track),
     ):
         register(name, command)
 

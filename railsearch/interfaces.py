@@ -231,6 +231,30 @@ class TrackModel(Protocol):
         """Simulate one passage. Raises InputError for parameters not allowed, SimulationError if it diverges."""
 
 
+@dataclass(frozen=True)
+class TrackExport:
+    """A track in the form that the track model `imported-track` reads.
+
+    matrices: mass, damping and stiffness (n, n), sparse, in kg, N s/m and N/m; parts: by name, matrices that are added times
+    `factors`; rail: position in m, vertical unknown and rotation (k, 3), −1 where held; supports: position in m, unknown,
+    damping in N s/m and, if need be, the unknown at its other end (s, 3 or 4); settings: further sections of its parameters.
+    """
+
+    matrices: Mapping[str, Any]
+    rail: FloatArray
+    supports: FloatArray
+    settings: Mapping[str, Mapping[str, object]]
+    parts: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    factors: Mapping[str, float] = field(default_factory=dict)
+
+
+class ExportingTrackModel(TrackModel, Protocol):
+    """A track model whose matrices can be taken elsewhere, and back."""
+
+    def export(self, parameters: Any, parts: bool = False) -> TrackExport:
+        """The track with these parameters; with `parts`, what is designed stands apart. Raises InputError."""
+
+
 class Scalariser(Protocol):
     """Many objectives into one. Made as `cls(parameters, objectives, worst)`, worst: {objective: worst known value}.
 

@@ -126,13 +126,18 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 def _with_columns(value: Any, path: Path) -> Any:
-    """The document with every table {file = …, column = …} replaced by that column of a file beside it."""
+    """The document with every table {file = …, column = …} replaced by that column of a file beside it.
+
+    A table {file = …} alone becomes the whole path of a file beside it.
+    """
     if isinstance(value, list):
         return [_with_columns(entry, path) for entry in value]
     if not isinstance(value, dict):
         return value
     if set(value) == {"file", "column"}:
         return _column(path, value["file"], value["column"])
+    if set(value) == {"file"} and isinstance(value["file"], str):
+        return str((path.parent / value["file"]).resolve())
     return {key: _with_columns(entry, path) for key, entry in value.items()}
 
 
@@ -175,14 +180,15 @@ def _assignment(item: Any, value: object) -> Iterator[str]:
     unit, allowed, source = meta.get("unit"), allowed_values(meta), meta.get("source")
     words = [meta.get("meaning", "") + (f" [{unit}]" if unit else ""), allowed and f"allowed {allowed}", source]
     yield "# " + "; ".join(word for word in words if word)
-    yield f"# {item.name} =" if value is None else f"{item.name} = {_toml(value)}"
+    yield f"# {item.name} =" if value is None else f"{item.name} = {toml_value(value)}"
 
 
-def _toml(value: object) -> str:
+def toml_value(value: object) -> str:
+    """A plain value as it is written in a TOML file."""
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{json.dumps(key)} = {_toml(entry)}" for key, entry in value.items()) + "}"
+        return "{" + ", ".join(f"{json.dumps(key)} = {toml_value(entry)}" for key, entry in value.items()) + "}"
     if isinstance(value, tuple):
-        return "[" + ", ".join(_toml(entry) for entry in value) + "]"
+        return "[" + ", ".join(toml_value(entry) for entry in value) + "]"
     return json.dumps(value, ensure_ascii=False)
 
 

@@ -2,6 +2,7 @@
 
 import dataclasses
 import io
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -23,7 +24,7 @@ from railsearch.commands.options import (
     results,
 )
 from railsearch.errors import InputError, SimulationError
-from railsearch.interfaces import Evaluation
+from railsearch.interfaces import Evaluation, TrackModel
 from railsearch.parameters import amend_parameters, nested
 from railsearch.plugin_manager import load_plugins
 from railsearch.result import evaluation_document, values_of
@@ -52,9 +53,7 @@ def simulate(
     """
     registry = load_plugins()
     model = registry.track_model(name)
-    start = amend_parameters(model.Parameters(), track_section(parameters) if parameters else {}, str(parameters))
-    changes = {key.removeprefix("track."): value for key, value in assignments(assigned).items()}
-    track = amend_parameters(start, nested(changes), name)
+    track = asked_track(model, name, parameters, assigned)
     response = model.simulate(track, histories=histories is not None)
     if histories is not None:
         _write_histories(histories, response.histories)
@@ -65,6 +64,13 @@ def simulate(
         )
         return
     results().print(_values_table(model.metrics, response.metrics))
+
+
+def asked_track(model: TrackModel, name: str, parameters: Path | None, assigned: Sequence[str] | None) -> Any:
+    """The parameters of the track model `name` by a site file and assignments. Raises InputError."""
+    start = amend_parameters(model.Parameters(), track_section(parameters) if parameters else {}, str(parameters))
+    changes = {key.removeprefix("track."): value for key, value in assignments(assigned).items()}
+    return amend_parameters(start, nested(changes), name)
 
 
 def evaluate(

@@ -80,7 +80,13 @@ def draw_range(
 
 
 def finish(made: PanelFigure, site: Passage, limits: tuple[float, float], ranges: str) -> None:
-    """Fix the limits with room for the numbers, draw the site behind the curves and name its parts above them."""
+    """Close the panels, draw the site behind the curves and name its parts above them."""
+    close(made, limits, ranges)
+    _draw_site(made.curves, site, limits)
+
+
+def close(made: PanelFigure, limits: tuple[float, float], ranges: str) -> None:
+    """Fix the limits with room for the numbers, and add the legend."""
     made.curves.set_xlim(*limits)
     low, high = made.curves.dataLim.intervaly
     room = 0.16 * (high - low)
@@ -90,7 +96,6 @@ def finish(made: PanelFigure, site: Passage, limits: tuple[float, float], ranges
     made.ranges.set_xlim(-0.6, max(columns, 2) - 0.4)
     made.ranges.tick_params(axis="y", left=False, labelleft=False)
     made.ranges.tick_params(axis="x", length=0)
-    _draw_site(made.curves, site, limits)
     handles, labels = made.curves.get_legend_handles_labels()
     made.figure.legend(
         handles,

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from railsearch_plugins.dynamics.beam import bending_matrices, coupled, gram_matrices, layer_matrices, locate, outer
-from railsearch_plugins.dynamics.vehicles import Vehicle, multibody
 from railsearch_plugins.track_models.level_crossing.layout import (
     FloatArray,
     IntArray,
@@ -33,9 +32,9 @@ class TrackElements:
     stiffness: list[Elements]
 
 
-def assemble_track(parameters: LevelCrossingParameters) -> TrackElements:
-    """Lay out the level crossing and make the matrices of all its elements."""
-    mesh, sleepers = make_mesh(parameters), place_sleepers(parameters)
+def assemble_track(parameters: LevelCrossingParameters, sleepers: Sleepers | None = None) -> TrackElements:
+    """Lay out the level crossing, with these sleepers in place of its own, and make the matrices of all its elements."""
+    mesh, sleepers = make_mesh(parameters), sleepers or place_sleepers(parameters)
     numbering = number_unknowns(mesh, sleepers)
     parts = (
         _rail(parameters, mesh, numbering),
@@ -48,18 +47,6 @@ def assemble_track(parameters: LevelCrossingParameters) -> TrackElements:
     )
     mass, damping, stiffness = ([element for part in parts for element in part[kind]] for kind in range(3))
     return TrackElements(mesh, sleepers, numbering, mass, damping, stiffness)
-
-
-def make_vehicle(parameters: LevelCrossingParameters) -> Vehicle:
-    """Carbody, bogie and wheelset in line on a Hertz contact."""
-    vehicle = parameters.vehicle
-    matrices = multibody(
-        np.array([vehicle.effective_carbody_mass, vehicle.bogie_mass, vehicle.wheelset_mass]),
-        np.array([[1.0, -1.0, 0.0], [0.0, 1.0, -1.0]]),
-        np.array([vehicle.secondary_stiffness, vehicle.primary_stiffness]),
-        np.array([vehicle.secondary_damping, vehicle.primary_damping]),
-    )
-    return Vehicle(*matrices, np.array([vehicle.static_load]), vehicle.contact_stiffness)
 
 
 def pad_values(parameters: LevelCrossingParameters, sleepers: Sleepers) -> tuple[FloatArray, FloatArray]:
@@ -98,16 +85,24 @@ def _rail(parameters: LevelCrossingParameters, mesh: Mesh, numbering: Numbering)
     return [(unknowns, mass)], [], [(unknowns, bending_matrices(length, parameters.rail.bending_stiffness))]
 
 
-def _ballast_track(parameters: LevelCrossingParameters, mesh: Mesh, sleepers: Sleepers, numbering: Numbering) -> Part:
+def pad_elements(
+    parameters: LevelCrossingParameters, mesh: Mesh, sleepers: Sleepers, numbering: Numbering
+) -> tuple[Elements, Elements]:
+    """Damping and stiffness of the pads."""
     element, rows = locate(mesh.nodes, sleepers.position)
     pads = np.concatenate([_element_unknowns(numbering.rail)[element], numbering.sleepers[:, None]], axis=1)
     elongation = np.concatenate([rows, np.full((rows.shape[0], 1), -1.0)], axis=1)
     stiffness, damping = pad_values(parameters, sleepers)
+    return (pads, outer(elongation, damping)), (pads, outer(elongation, stiffness))
+
+
+def _ballast_track(parameters: LevelCrossingParameters, mesh: Mesh, sleepers: Sleepers, numbering: Numbering) -> Part:
+    damping, stiffness = pad_elements(parameters, mesh, sleepers, numbering)
     under, one = numbering.sleepers[:, None], np.ones((sleepers.mass.size, 1))
     return (
         [(under, outer(one, sleepers.mass))],
-        [(pads, outer(elongation, damping)), (under, outer(one, parameters.ballast.damping))],
-        [(pads, outer(elongation, stiffness)), (under, outer(one, parameters.ballast.stiffness))],
+        [damping, (under, outer(one, parameters.ballast.damping))],
+        [stiffness, (under, outer(one, parameters.ballast.stiffness))],
     )
 
 

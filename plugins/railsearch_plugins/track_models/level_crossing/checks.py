@@ -2,11 +2,10 @@
 
 import dataclasses
 
-import numpy as np
-
 from railsearch.errors import InputError
 from railsearch.parameters import make_parameters
 from railsearch_plugins.dynamics import beam
+from railsearch_plugins.single_wheel import check_irregularity, check_vehicle
 from railsearch_plugins.track_models.level_crossing.layout import SAME_PLACE, sleeper_distances_from_crossing
 from railsearch_plugins.track_models.level_crossing.parameters import LevelCrossingParameters
 
@@ -24,10 +23,10 @@ def checked(parameters: LevelCrossingParameters) -> LevelCrossingParameters:
     _check_geometry(sound)
     _check_zone(sound)
     _check_windows(sound)
-    _check_vehicle(sound)
+    check_vehicle(sound.vehicle, "level-crossing")
     _check_passage(sound)
     _check_mesh(sound)
-    _check_irregularity(sound)
+    check_irregularity(sound.irregularity, (0.0, sound.geometry.total_length), "level-crossing")
     return sound
 
 
@@ -131,18 +130,6 @@ def _check_windows(parameters: LevelCrossingParameters) -> None:
     )
 
 
-def _check_vehicle(parameters: LevelCrossingParameters) -> None:
-    vehicle = parameters.vehicle
-    least = vehicle.gravity * (vehicle.bogie_mass + vehicle.wheelset_mass)
-    _require(
-        vehicle.static_load > least,
-        "vehicle.wheel_load",
-        f"bogie and wheelset alone weigh {least:g} N and the carbody must weigh something",
-        f"{vehicle.wheel_load} N",
-        "raise the load or lower the masses",
-    )
-
-
 def _check_passage(parameters: LevelCrossingParameters) -> None:
     passage, critical = parameters.passage, critical_speed(parameters)
     _require(
@@ -188,31 +175,3 @@ def _check_mesh(parameters: LevelCrossingParameters) -> None:
         f"{passage.element_length:g} m",
         "shorten the elements",
     )
-
-
-def _check_irregularity(parameters: LevelCrossingParameters) -> None:
-    position, height = parameters.irregularity.position, parameters.irregularity.height
-    _require(
-        len(position) == len(height) and len(position) != 1,
-        "irregularity.height",
-        "as many heights as positions are needed, none or at least two",
-        f"{len(position)} positions and {len(height)} heights",
-        "give one height per position",
-    )
-    if position:
-        steps = np.diff(position)
-        _require(
-            bool((steps > 0.0).all()),
-            "irregularity.position",
-            "positions must ascend",
-            f"a step of {steps.min():g} m",
-            "sort them",
-        )
-        end = parameters.geometry.total_length
-        _require(
-            position[0] <= 0.0 and position[-1] >= end,
-            "irregularity.position",
-            f"positions must cover the run from 0 to {end:g} m",
-            f"{position[0]:g} to {position[-1]:g} m",
-            "extend the measured profile",
-        )

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from railsearch.errors import SimulationError
+from railsearch_plugins.single_wheel import carbody_acceleration, check_finite, passage_metrics
 from railsearch_plugins.track_models.level_crossing.layout import SAME_PLACE, FloatArray
 from railsearch_plugins.track_models.level_crossing.parameters import LevelCrossingParameters
 from railsearch_plugins.track_models.level_crossing.passage import Simulated
@@ -26,24 +26,14 @@ def make_histories(parameters: LevelCrossingParameters, simulated: Simulated) ->
         "wheel_rail_force": passage.force[:, 0],
         "rail_displacement": (passage.motion - simulated.contact.irregularity)[:, 0, 0],
         "wheel_displacement": passage.vehicle_displacement[:, -1],
-        "carbody_acceleration": carbody_acceleration(simulated),
+        "carbody_acceleration": carbody_acceleration(
+            simulated.vehicle, passage.vehicle_displacement, passage.vehicle_velocity
+        ),
         "sleeper_position": simulated.elements.sleepers.position,
         "sleeper_energy": parameters.ballast.damping * passage.support_integrals,
     }
-    for name, values in histories.items():
-        if not np.isfinite(values).all():
-            raise SimulationError(
-                f"level crossing: the simulation diverged, {name} is not finite; reduce passage.time_step "
-                f"({parameters.passage.time_step:g} s) or check the stiffnesses and masses for values out of proportion"
-            )
+    check_finite(histories, "level crossing", parameters.passage.time_step)
     return histories
-
-
-def carbody_acceleration(simulated: Simulated) -> FloatArray:
-    """a_c (t,) from the equation of motion of the carbody; its static load is balanced at rest and left out."""
-    vehicle, passage = simulated.vehicle, simulated.passage
-    suspension = passage.vehicle_displacement @ vehicle.stiffness[0] + passage.vehicle_velocity @ vehicle.damping[0]
-    return np.asarray(-suspension / vehicle.mass[0, 0])
 
 
 def measure(parameters: LevelCrossingParameters, histories: Mapping[str, FloatArray]) -> dict[str, float]:
@@ -52,14 +42,7 @@ def measure(parameters: LevelCrossingParameters, histories: Mapping[str, FloatAr
     force = histories["wheel_rail_force"][window]
     acceleration = histories["carbody_acceleration"][window]
     energy = approach_energy(parameters, histories)
-    return {
-        "F_rms": _rms(force),
-        "F_max": float(np.ptp(force)),
-        "E_rms": _rms(energy),
-        "E_max": float(np.ptp(energy)),
-        "E_adjacent": float(np.abs(np.diff(energy)).max()),
-        "A_max": float(np.ptp(acceleration)),
-    }
+    return passage_metrics(force, acceleration, energy)
 
 
 def force_window(parameters: LevelCrossingParameters, position: FloatArray) -> FloatArray:
@@ -74,7 +57,3 @@ def approach_energy(parameters: LevelCrossingParameters, histories: Mapping[str,
     """Energies of the measured sleepers before the crossing, ascending with position."""
     before = histories["sleeper_position"] < parameters.geometry.approach_length
     return histories["sleeper_energy"][before][-parameters.windows.energy_sleepers :]
-
-
-def _rms(values: FloatArray) -> float:
-    return float(np.sqrt(np.mean(values**2)))

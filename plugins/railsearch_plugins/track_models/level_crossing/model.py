@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from typing import ClassVar
 
-from railsearch.interfaces import Quantity, Response
+from railsearch.interfaces import Quantity, Response, TrackExport
+from railsearch_plugins.single_wheel import WHEEL_HISTORIES, WHEEL_METRICS
 from railsearch_plugins.track_models.level_crossing.checks import checked
 from railsearch_plugins.track_models.level_crossing.parameters import Geometry, LevelCrossingParameters
 
@@ -13,20 +14,14 @@ class LevelCrossing:
 
     Parameters = LevelCrossingParameters
     metrics: ClassVar[Sequence[Quantity]] = (
-        Quantity("F_rms", "N", "root mean square of the wheel-rail force in the force window"),
-        Quantity("F_max", "N", "largest minus smallest wheel-rail force in the force window"),
+        *WHEEL_METRICS[:2],
         Quantity("E_rms", "N·m", "root mean square over the sleepers of the energy dissipated in the ballast"),
         Quantity("E_max", "N·m", "largest minus smallest energy dissipated in the ballast under a sleeper"),
         Quantity("E_adjacent", "N·m", "largest difference of that energy between neighbouring sleepers"),
-        Quantity("A_max", "m/s²", "largest minus smallest carbody acceleration in the force window"),
+        *WHEEL_METRICS[2:],
     )
     histories: ClassVar[Sequence[Quantity]] = (
-        Quantity("time", "s", "time since the start"),
-        Quantity("wheel_position", "m", "position of the wheel"),
-        Quantity("wheel_rail_force", "N", "wheel-rail force, compression positive"),
-        Quantity("rail_displacement", "m", "rail under the wheel, downward"),
-        Quantity("wheel_displacement", "m", "wheel from touching an unloaded level rail, downward"),
-        Quantity("carbody_acceleration", "m/s²", "carbody, downward"),
+        *WHEEL_HISTORIES,
         Quantity("sleeper_position", "m", "position of every sleeper"),
         Quantity("sleeper_energy", "N·m", "energy dissipated in the ballast under every sleeper over the passage"),
     )
@@ -51,3 +46,9 @@ class LevelCrossing:
         simulated = passage.simulate_passage(sound)
         series = measures.make_histories(sound, simulated)
         return Response(measures.measure(sound, series), series if histories else {})
+
+    def export(self, parameters: LevelCrossingParameters, parts: bool = False) -> TrackExport:
+        """The track for `imported-track`; with `parts`, the pads next to the crossing apart, in MN/m. Raises InputError."""
+        from railsearch_plugins.track_models.level_crossing.export import exported
+
+        return exported(checked(parameters), parts)

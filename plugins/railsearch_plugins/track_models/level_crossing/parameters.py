@@ -6,13 +6,11 @@ and the railpads (per rail seat) are as printed and everything else is halved; `
 the pads too.
 """
 
-import math
 from dataclasses import dataclass
 
 from railsearch.parameters import parameter
+from railsearch_plugins.single_wheel import HALVED, PRINTED, Irregularity, Vehicle
 
-PRINTED = "Shang et al. 2023"
-HALVED = "Shang et al. 2023, halved"
 DESIGN = "reference design of the problem"
 
 
@@ -129,52 +127,6 @@ class Slab(Beam):
 
 
 @dataclass(frozen=True)
-class Vehicle:
-    """A quarter of a VIRM car reduced to one wheel: carbody, bogie and wheelset in line."""
-
-    carbody_mass: float = parameter(
-        7047.25,
-        unit="kg",
-        meaning="carbody, taken with wheel_load 'from masses'",
-        source="Shang et al. 2023, 56378/8",
-        above=0.0,
-    )
-    bogie_mass: float = parameter(943.0, unit="kg", meaning="bogie", source="Shang et al. 2023, 3772/4", above=0.0)
-    wheelset_mass: float = parameter(909.5, unit="kg", meaning="wheelset", source="Shang et al. 2023, 1819/2", above=0.0)
-    primary_stiffness: float = parameter(1222.5e3, unit="N/m", meaning="wheelset to bogie", source=HALVED, above=0.0)
-    primary_damping: float = parameter(1e3, unit="N s/m", meaning="wheelset to bogie", source=HALVED, minimum=0.0)
-    secondary_stiffness: float = parameter(1113.5e3, unit="N/m", meaning="bogie to carbody", source=HALVED, above=0.0)
-    secondary_damping: float = parameter(25.05e3, unit="N s/m", meaning="bogie to carbody", source=HALVED, minimum=0.0)
-    wheel_load: float | str = parameter(
-        50e3,
-        unit="N",
-        meaning="static wheel load, reached by adjusting the carbody mass, or 'from masses'",
-        source="Shang et al. 2023, level of the force",
-        above=0.0,
-        choices=("from masses",),
-    )
-    hertz_constant: float = parameter(5.13e-8, unit="m/N^(2/3)", meaning="Hertz constant G", source=PRINTED, above=0.0)
-    gravity: float = parameter(9.8, unit="m/s²", meaning="acceleration of gravity", source=PRINTED, above=0.0)
-
-    @property
-    def static_load(self) -> float:
-        """Static wheel load P in N."""
-        if isinstance(self.wheel_load, str):
-            return self.gravity * (self.carbody_mass + self.bogie_mass + self.wheelset_mass)
-        return float(self.wheel_load)
-
-    @property
-    def effective_carbody_mass(self) -> float:
-        """The carbody mass in kg that makes the static wheel load."""
-        return self.static_load / self.gravity - self.bogie_mass - self.wheelset_mass
-
-    @property
-    def contact_stiffness(self) -> float:
-        """Linearised Hertz spring k_w = 3/(2G) P^(1/3) in N/m."""
-        return 1.5 / self.hertz_constant * math.cbrt(self.static_load)
-
-
-@dataclass(frozen=True)
 class Zone:
     """What is designed next to the crossing; tuples end at the crossing. All but the strip is mirrored beyond it."""
 
@@ -212,16 +164,6 @@ class Passage:
 
 
 @dataclass(frozen=True)
-class Irregularity:
-    """Vertical level of the unloaded rail, interpolated by a cubic spline; none by default."""
-
-    position: tuple[float, ...] = parameter(
-        (), unit="m", meaning="ascending positions that cover the run", source="measured"
-    )
-    height: tuple[float, ...] = parameter((), unit="m", meaning="height there, positive upward", source="measured")
-
-
-@dataclass(frozen=True)
 class Windows:
     """Where force and carbody acceleration, and over how many sleepers energy, are measured; edges are inclusive."""
 
@@ -249,8 +191,8 @@ class LevelCrossingParameters:
     ballast: Ballast = Ballast()
     strip: Strip = Strip()
     slab: Slab = Slab()
-    vehicle: Vehicle = Vehicle()
+    vehicle: Vehicle = Vehicle()  # noqa: RUF009 - frozen
     zone: Zone = Zone()
     passage: Passage = Passage()
-    irregularity: Irregularity = Irregularity()
+    irregularity: Irregularity = Irregularity()  # noqa: RUF009 - frozen
     windows: Windows = Windows()

@@ -3,15 +3,14 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from railsearch_plugins.dynamics.banded import assemble, half_bandwidth
 from railsearch_plugins.dynamics.moving_contact import Contact, Observation, Passage, Track, make_contact, pass_over
 from railsearch_plugins.dynamics.vehicles import Vehicle
+from railsearch_plugins.single_wheel import irregularity_at, vehicle_matrices
 from railsearch_plugins.track_models.level_crossing.assembly import (
     TrackElements,
     assemble_track,
-    make_vehicle,
     proportional_damping,
 )
 from railsearch_plugins.track_models.level_crossing.layout import FloatArray
@@ -43,9 +42,9 @@ def simulate_passage(
         proportional_damping(parameters, elements),
     )
     wheel = wheel_positions(parameters) if positions is None else positions
-    irregularity = irregularity_at(parameters, wheel)[:, None, None]
+    irregularity = irregularity_at(parameters.irregularity, wheel)[:, None, None]
     contact = make_contact(elements.mesh.nodes, elements.numbering.rail, wheel[:, None], irregularity)
-    vehicle = make_vehicle(parameters)
+    vehicle = vehicle_matrices(parameters.vehicle)
     observation = Observation(supports=elements.numbering.sleepers)
     passage = pass_over(track, vehicle, contact, parameters.passage.time_step, observation, states)
     return Simulated(elements, track, vehicle, contact, wheel, passage)
@@ -56,11 +55,3 @@ def wheel_positions(parameters: LevelCrossingParameters) -> FloatArray:
     advance = parameters.passage.speed * parameters.passage.time_step
     steps = int(np.floor(parameters.geometry.total_length / advance))
     return np.asarray(advance * np.arange(steps + 1))
-
-
-def irregularity_at(parameters: LevelCrossingParameters, positions: FloatArray) -> FloatArray:
-    """Irregularity (t,) in m, positive downward, by a cubic spline through the measured heights; zero without any."""
-    irregularity = parameters.irregularity
-    if not irregularity.position:
-        return np.zeros_like(positions)
-    return np.asarray(-CubicSpline(irregularity.position, irregularity.height)(positions))
