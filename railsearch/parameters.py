@@ -103,6 +103,14 @@ def describe_parameters(start: object, prefix: str = "") -> Iterator[Description
             )
 
 
+def field_range(cls: type, name: str) -> tuple[float, float]:
+    """The allowed range of a number of the dataclass `cls`, infinite where there is no bound."""
+    meta = cls.__dataclass_fields__[name].metadata  # type: ignore[attr-defined]
+    low = [float(meta[key]) for key in ("minimum", "above") if meta.get(key) is not None]
+    high = [float(meta[key]) for key in ("maximum", "below") if meta.get(key) is not None]
+    return max(low, default=-math.inf), min(high, default=math.inf)
+
+
 def allowed_values(meta: Mapping[str, Any]) -> str:
     """The allowed range of a field in words; empty when everything finite is allowed."""
     signs = (("minimum", "≥"), ("above", ">"), ("maximum", "≤"), ("below", "<"))

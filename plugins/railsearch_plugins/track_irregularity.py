@@ -140,15 +140,14 @@ def spectrum_named(name: str) -> Spectrum:
     module_name, separator, attribute = name.partition(":")
     if not separator:
         raise InputError(
-            f"irregularity spectrum: unknown '{name}'; there are {', '.join(SPECTRA)}, "
-            "and any Spectrum of a module as 'module:NAME'"
+            f"unknown spectrum '{name}'; there are {', '.join(SPECTRA)}, and any Spectrum of a module as 'module:NAME'"
         )
     try:
         found = getattr(importlib.import_module(module_name), attribute)
     except (ImportError, AttributeError, ValueError) as error:
-        raise InputError(f"irregularity spectrum '{name}': {error}; give 'module:NAME' of what can be imported") from error
+        raise InputError(f"spectrum '{name}': {error}; give 'module:NAME' of what can be imported") from error
     if not isinstance(found, Spectrum):
-        raise InputError(f"irregularity spectrum '{name}': a Spectrum is needed, received {type(found).__name__}")
+        raise InputError(f"spectrum '{name}': a Spectrum is needed, received {type(found).__name__}")
     return found
 
 

@@ -1,4 +1,4 @@
-"""The 16 uncertain inputs of the train-track-bridge system with their distributions.
+"""The uncertain inputs of the train-track-bridge system with their distributions: sixteen as published, and a user's own.
 
 Source: Shang, Nogal, Teixeira & Wolfert, Reliability Engineering & System Safety 243 (2024) 109818, in SI units: the
 roughness of the irregularity is printed in 1e-7 m² rad/m and the damping ratio of the bridge in per cent. The factors
@@ -6,58 +6,111 @@ multiply the carbody mass (not its moment of inertia) and the stiffness (not the
 coefficient of variation of the lognormal ones are those of the factor itself.
 """
 
-import math
+import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Any
 
 from railsearch.distributions import RandomVector, keep_inside, random_vector
+from railsearch.errors import InputError
+from railsearch.parameters import did_you_mean, field_range, parameter
+
+Table = Mapping[str, object]
 
 
-@dataclass(frozen=True)
-class UncertainInput:
-    """A parameter of the track model `train-track-bridge` with the table of its distribution and its physical range."""
-
-    name: str
-    unit: str
-    meaning: str
-    distribution: Mapping[str, object]
-    physical: tuple[float, float] = (0.0, math.inf)
-
-
-def _uniform(lower: float, upper: float) -> Mapping[str, object]:
+def _uniform(lower: float, upper: float) -> Table:
     return MappingProxyType({"distribution": "uniform", "lower": lower, "upper": upper})
 
 
-def _lognormal(mean: float, cov: float) -> Mapping[str, object]:
+def _lognormal(mean: float, cov: float) -> Table:
     return MappingProxyType({"distribution": "lognormal", "mean": mean, "cov": cov})
 
 
-def _normal(mean: float, std: float) -> Mapping[str, object]:
+def _normal(mean: float, std: float) -> Table:
     return MappingProxyType({"distribution": "normal", "mean": mean, "std": std})
 
 
-UNCERTAIN_INPUTS = (
-    UncertainInput("carbody_mass_factor", "", "factor on the mass of the carbodies", _lognormal(1.0, 0.15)),
-    UncertainInput("primary_stiffness_factor", "", "factor on the primary suspension", _lognormal(1.0, 0.10)),
-    UncertainInput("secondary_stiffness_factor", "", "factor on the secondary suspension", _lognormal(1.0, 0.10)),
-    UncertainInput("pad_stiffness", "N/m", "stiffness of the railpads", _uniform(1e8, 1.5e9)),
-    UncertainInput("pad_damping", "N s/m", "damping of the railpads", _uniform(1e4, 7e4)),
-    UncertainInput("sleeper_mass", "kg", "mass of a sleeper", _uniform(220.0, 325.0)),
-    UncertainInput("ballast_density", "kg/m³", "density of the ballast", _uniform(1500.0, 2100.0)),
-    UncertainInput("ballast_modulus", "Pa", "Young's modulus of the ballast", _uniform(8e7, 1.6e8)),
-    UncertainInput("ballast_depth", "m", "depth of the ballast", _uniform(0.3, 0.6)),
-    UncertainInput("ballast_angle", "deg", "load distribution angle of the ballast", _uniform(15.0, 35.0), (0.0, 90.0)),
-    UncertainInput("ballast_damping", "N s/m", "damping of the ballast", _uniform(4e4, 2.8e5)),
-    UncertainInput("irregularity_amplitude", "m² rad/m", "roughness A_v of the irregularity", _uniform(4.032e-7, 1.080e-6)),
-    UncertainInput("bridge_mass", "kg/m", "mass per length of the bridge", _normal(69000.0, 0.04 * 69000.0)),
-    UncertainInput("bridge_modulus", "Pa", "Young's modulus of the bridge", _normal(35e9, 0.08 * 35e9)),
-    UncertainInput("bridge_damping", "", "damping ratio of the bridge's first two modes", _normal(0.02, 0.003), (0.0, 1.0)),
-    UncertainInput("bridge_inertia", "m⁴", "second moment of area of the bridge", _normal(51.3, 0.05 * 51.3)),
+UNCERTAIN_INPUTS: Mapping[str, Table] = MappingProxyType(
+    {
+        "carbody_mass_factor": _lognormal(1.0, 0.15),
+        "primary_stiffness_factor": _lognormal(1.0, 0.10),
+        "secondary_stiffness_factor": _lognormal(1.0, 0.10),
+        "pad_stiffness": _uniform(1e8, 1.5e9),
+        "pad_damping": _uniform(1e4, 7e4),
+        "sleeper_mass": _uniform(220.0, 325.0),
+        "ballast_density": _uniform(1500.0, 2100.0),
+        "ballast_modulus": _uniform(8e7, 1.6e8),
+        "ballast_depth": _uniform(0.3, 0.6),
+        "ballast_angle": _uniform(15.0, 35.0),
+        "ballast_damping": _uniform(4e4, 2.8e5),
+        "irregularity_amplitude": _uniform(4.032e-7, 1.080e-6),
+        "bridge_mass": _normal(69000.0, 0.04 * 69000.0),
+        "bridge_modulus": _normal(35e9, 0.08 * 35e9),
+        "bridge_damping": _normal(0.02, 0.003),
+        "bridge_inertia": _normal(51.3, 0.05 * 51.3),
+    }
 )
+"""Parameters of the track model with the tables of their distributions."""
 
 
-def uncertain_inputs() -> RandomVector:
-    """The inputs as a random vector, checked against their physical ranges."""
-    vector = random_vector({item.name: item.distribution for item in UNCERTAIN_INPUTS}, where="train-track-bridge")
-    return keep_inside(vector, {item.name: item.physical for item in UNCERTAIN_INPUTS})
+@dataclass(frozen=True)
+class Inputs:
+    """Which parameters of the track are uncertain, how, and in which range they are searched."""
+
+    distributions: dict[str, Any] | None = parameter(  # noqa: RUF009 - a field, not a value
+        None, meaning="by parameter of the track: tables in place of the published distributions, or of further inputs"
+    )
+    fixed: tuple[str, ...] = parameter((), meaning="published inputs that keep the value of the track")
+    level: float = parameter(
+        0.01,
+        meaning="an input without bounds is searched between its percentiles at this level and at one minus it",
+        source="Shang et al. 2024",
+        above=0.0,
+        below=0.5,
+    )
+    truncate: bool = parameter(
+        False, meaning="cut a distribution off where it leaves the physical range, instead of refusing it"
+    )
+
+
+def uncertain_inputs(track: Any, inputs: Inputs | None = None) -> RandomVector:
+    """The inputs as a random vector, inside their physical ranges, which are those of the track's parameters.
+
+    Raises InputError for a name that is no number of the track's, for one that has no effect on this track, and for a
+    distribution that is not sound or leaves the physical range.
+    """
+    inputs = inputs or Inputs()
+    own = inputs.distributions or {}
+    for name in (*own, *inputs.fixed):
+        _check_name(track, name)
+    if both := [name for name in inputs.fixed if name in own]:
+        raise InputError(f"inputs.fixed: {', '.join(both)}: also under inputs.distributions; leave one of them out")
+    tables = {name: table for name, table in ({**UNCERTAIN_INPUTS, **own}).items() if name not in inputs.fixed}
+    if not tables:
+        raise InputError("inputs: one uncertain input or more is needed, all are fixed")
+    for name in tables:
+        _check_effect(track, name)
+    vector = random_vector(tables, where="inputs.distributions")
+    return keep_inside(vector, {name: field_range(type(track), name) for name in tables}, truncate=inputs.truncate)
+
+
+def _check_name(track: Any, name: str) -> None:
+    numbers = [field.name for field in dataclasses.fields(track) if isinstance(getattr(track, field.name), float)]
+    if name not in numbers:
+        raise InputError(f"inputs: '{name}' is no number of the track{did_you_mean(name, numbers)}")
+
+
+def _check_effect(track: Any, name: str) -> None:
+    """Raise InputError for an input that this track does not use: no result would depend on it."""
+    mass, stiffness = track.ballast_mass is not None, track.ballast_stiffness is not None
+    unused = {
+        "irregularity_amplitude": bool(track.irregularity_file) or track.irregularity_spectrum == "none",
+        "ballast_density": mass,
+        "ballast_modulus": stiffness,
+        "ballast_depth": mass and stiffness,
+        "ballast_angle": mass and stiffness,
+    }
+    if unused.get(name):
+        other = "another profile, or none," if name == "irregularity_amplitude" else "ballast_mass or ballast_stiffness"
+        raise InputError(f"inputs: {name} has no effect on this track, for which {other} is given; name it in inputs.fixed")

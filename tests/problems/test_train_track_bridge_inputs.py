@@ -3,7 +3,10 @@
 import numpy as np
 import pytest
 
+from railsearch_plugins.track_models.train_track_bridge import TrainTrackBridgeParameters
 from railsearch_problems.train_track_bridge_inputs import UNCERTAIN_INPUTS, uncertain_inputs
+
+TRACK = TrainTrackBridgeParameters(irregularity_amplitude=7.416e-7)
 
 # Name: mean and standard deviation of a normal or lognormal input.
 PRINTED_MOMENTS = {
@@ -29,7 +32,7 @@ PRINTED_BOUNDS = {
 
 
 def test_there_are_sixteen_of_the_printed_moments_and_bounds():
-    vector = uncertain_inputs()
+    vector = uncertain_inputs(TRACK)
     assert set(vector.names) == PRINTED_MOMENTS.keys() | PRINTED_BOUNDS.keys()
     assert vector.dimension == 16 == len(UNCERTAIN_INPUTS)
     for name, moments in PRINTED_MOMENTS.items():
@@ -42,7 +45,7 @@ def test_there_are_sixteen_of_the_printed_moments_and_bounds():
 
 
 def test_factors_are_skewed_and_the_bridge_is_not():
-    vector = uncertain_inputs()
+    vector = uncertain_inputs(TRACK)
     median, mean = vector.percentiles(0.5)[0], vector.mean
     for name, low, centre in zip(vector.names, median, mean, strict=True):
         assert (low < centre * (1.0 - 1e-3)) == name.endswith("factor")
@@ -50,5 +53,5 @@ def test_factors_are_skewed_and_the_bridge_is_not():
 
 def test_published_thresholds_of_the_carbody_mass_lie_inside_its_range():
     """Safe ranges are published for carbodies below 27 500 kg and below 37 000 kg, of 32 000 kg in the mean."""
-    low, high = 32000.0 * uncertain_inputs().ranges()[0]
+    low, high = 32000.0 * uncertain_inputs(TRACK).ranges()[0]
     assert low < 27500.0 < 37000.0 < high

@@ -95,7 +95,7 @@ def test_a_spectrum_of_another_module_is_found_by_its_dotted_name(foreign_module
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("fra-7", "unknown 'fra-7'.*there are german, german-low, german-high, fra-1, .*fra-6"),
+        ("fra-7", "unknown spectrum 'fra-7'.*there are german, german-low, german-high, fra-1, .*fra-6"),
         ("no_such_module:white", "No module named 'no_such_module'"),
         ("foreign_spectra:black", "has no attribute 'black'"),
         (":white", "module:NAME"),

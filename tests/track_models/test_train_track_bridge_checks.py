@@ -30,14 +30,14 @@ NOT_ALLOWED = [
     ({"vehicles": 0}, "vehicles: allowed is ≥ 1"),
     (
         {"irregularity_spectrum": "chinese"},
-        "irregularity_spectrum: allowed is 'german' or 'fra' or 'none', received 'chinese'",
+        "irregularity_spectrum: unknown spectrum 'chinese'; there are german, german-low, german-high, fra-1",
     ),
     (
         {"irregularity_longest": 2.0},
         "irregularity_longest: it must lie between the shortest wavelength, 3 m, and the period",
     ),
     ({"irregularity_shortest": 0.05}, "irregularity_shortest: waves shorter than two steps of the train"),
-    ({"irregularity_file": "no-such-file.csv"}, "irregularity_file: no-such-file.csv cannot be read"),
+    ({"irregularity_file": "no-such-file.csv"}, "irregularity_file: no-such-file.csv: cannot be read"),
     ({"irregularity_file": str(PROFILE), "start_position": -60.0}, "must cover the run of all axles from -131.56 to"),
     ({"start_position": 1.0}, "start_position: the first axle must start before the bridge"),
     ({"end_position": -5.0}, "end_position: the first axle must reach the bridge"),
@@ -63,9 +63,9 @@ def test_parameters_that_are_not_allowed(changes, message):
     [
         ("1 2 3\n4 5 6\n7 8 9\n1 2 3\n", "two columns"),
         ("0,0\n1,0\n", "four or more"),
-        ("0 0\n2 0\n1 0\n3 0\n", "positions must ascend, received a step of -1 m; sort them"),
-        ("position,height\n0,0\n", "cannot be read"),
-        ("0 0\n1 nan\n2 0\n3 0\n", "finite numbers"),
+        ("0 0\n2 0\n1 0\n3 0\n", "positions must ascend, received 1 m after 2 m"),
+        ("position,height\n0,0\n", "two columns of numbers"),
+        ("0 0\n1 nan\n2 0\n3 0\n", "finite positions and heights"),
     ],
 )
 def test_files_that_are_no_profile(tmp_path, text, message):

@@ -5,6 +5,7 @@ import dataclasses
 from railsearch.errors import InputError
 from railsearch.parameters import make_parameters
 from railsearch_plugins.dynamics import beam
+from railsearch_plugins.track_irregularity import spectrum_named
 from railsearch_plugins.track_models.train_track_bridge.assembly import ballast_values
 from railsearch_plugins.track_models.train_track_bridge.layout import (
     ROUNDING,
@@ -13,8 +14,8 @@ from railsearch_plugins.track_models.train_track_bridge.layout import (
     meshed_span,
     run_of_first_axle,
 )
-from railsearch_plugins.track_models.train_track_bridge.parameters import TrainTrackBridgeParameters
-from railsearch_plugins.track_models.train_track_bridge.profile import read_profile
+from railsearch_plugins.track_models.train_track_bridge.parameters import LEVEL, TrainTrackBridgeParameters
+from railsearch_plugins.track_models.train_track_bridge.profile import measured_profile
 
 # What fits in a gigabyte or so; far beyond what converges.
 MOST_STEPS = 1e5
@@ -146,6 +147,8 @@ def _check_irregularity(parameters: TrainTrackBridgeParameters) -> None:
     if parameters.irregularity_file:
         _check_file(parameters)
         return
+    if parameters.irregularity_spectrum != LEVEL:
+        _check_spectrum(parameters.irregularity_spectrum)
     shortest, longest, period = (
         parameters.irregularity_shortest,
         parameters.irregularity_longest,
@@ -168,8 +171,15 @@ def _check_irregularity(parameters: TrainTrackBridgeParameters) -> None:
     )
 
 
+def _check_spectrum(name: str) -> None:
+    try:
+        spectrum_named(name)
+    except InputError as error:
+        raise InputError(f"train-track-bridge.irregularity_spectrum: {error}; '{LEVEL}' is a level track") from None
+
+
 def _check_file(parameters: TrainTrackBridgeParameters) -> None:
-    positions, _ = read_profile(parameters.irregularity_file)
+    positions = measured_profile(parameters.irregularity_file).spline.x
     start, end = run_of_first_axle(parameters)
     first = start - float(axle_offsets(parameters.vehicle, parameters.vehicles)[-1])
     rounding = ROUNDING * element_length(parameters)

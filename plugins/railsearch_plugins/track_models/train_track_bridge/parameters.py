@@ -18,6 +18,7 @@ CODE = "Cantero 2022"
 ZHAI = "Zhai et al. 2004"
 
 PASS_BY, ALL = "pass-by", "all"
+LEVEL = "none"
 
 
 @dataclass(frozen=True)
@@ -105,14 +106,13 @@ class TrainTrackBridgeParameters:
     subballast_damping: float = parameter(3.115e4, unit="N s/m", meaning="ballast mass to ground", source=CODE, minimum=0.0)
     irregularity_spectrum: str = parameter(
         "german",
-        meaning="spectrum of a generated profile",
+        meaning="of a generated profile: german, german-low, german-high, fra-1 to fra-6, module:NAME of your own, or none",
         source="Claus & Schiehlen 1998; Lei & Noda 2002",
-        choices=("german", "fra", "none"),
     )
-    irregularity_amplitude: float = parameter(
-        7.416e-7,
+    irregularity_amplitude: float | None = parameter(
+        None,
         unit="m² rad/m",
-        meaning="A_v of the spectrum; German 4.032e-7 to 1.080e-6; ignored with a file",
+        meaning="A_v of the spectrum; not given: its own, 7.416e-7 for german; ignored with a file",
         source=STUDY,
         minimum=0.0,
     )
