@@ -9,7 +9,7 @@ from bridges import CASES, case, file_profile, short_bridge
 
 from railsearch_plugins.track_models.train_track_bridge import TrainTrackBridge
 from railsearch_plugins.track_models.train_track_bridge import measures as m
-from railsearch_plugins.track_models.train_track_bridge.assembly import ballast_values
+from railsearch_plugins.track_models.train_track_bridge.ballast import ballast_values
 from railsearch_plugins.track_models.train_track_bridge.layout import axle_offsets, first_axle
 from railsearch_plugins.track_models.train_track_bridge.passage import irregularity_under, simulate_passage
 

@@ -14,7 +14,7 @@ from railsearch_plugins.dynamics.beam import bending_matrices, gram_matrices, ou
 from railsearch_plugins.dynamics.moving_contact import Track
 from railsearch_plugins.dynamics.vehicles import RIGID, multibody, train
 from railsearch_plugins.dynamics.vehicles import Vehicle as Train
-from railsearch_plugins.track_models.train_track_bridge.ballast import ballast_cone
+from railsearch_plugins.track_models.train_track_bridge.ballast import ballast_values
 from railsearch_plugins.track_models.train_track_bridge.layout import (
     FloatArray,
     IntArray,
@@ -66,21 +66,6 @@ def track_matrices(elements: TrackElements) -> Track:
         assemble(elements.stiffness, size, width),
         elements.rayleigh,
     )
-
-
-def ballast_values(parameters: TrainTrackBridgeParameters) -> tuple[float, float]:
-    """Vibrating mass in kg and stiffness in N/m of the ballast under a sleeper: of the cone, unless they are given."""
-    mass, stiffness = parameters.ballast_mass, parameters.ballast_stiffness
-    if mass is None or stiffness is None:
-        cone = ballast_cone(
-            parameters.ballast_depth,
-            parameters.ballast_angle,
-            parameters.ballast_density,
-            parameters.ballast_modulus,
-            doubled=parameters.ballast_doubled,
-        )
-        mass, stiffness = cone.mass if mass is None else mass, cone.stiffness if stiffness is None else stiffness
-    return mass, stiffness
 
 
 def bridge_frequencies(parameters: TrainTrackBridgeParameters, count: int = 2) -> FloatArray:

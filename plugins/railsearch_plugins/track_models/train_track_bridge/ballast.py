@@ -21,6 +21,7 @@ import math
 from dataclasses import dataclass
 
 from railsearch.errors import InputError
+from railsearch_plugins.track_models.train_track_bridge.parameters import TrainTrackBridgeParameters
 
 
 @dataclass(frozen=True)
@@ -64,6 +65,21 @@ def ballast_cone(
     lower = 2.0 * overlap / (spacing * (spacing - width + 2.0 * half_length + 2.0 * depth * t) * modulus)
     copies = 2.0 if doubled else 1.0
     return Cone(copies * mass, copies / (upper + lower), overlap)
+
+
+def ballast_values(parameters: TrainTrackBridgeParameters) -> tuple[float, float]:
+    """Vibrating mass in kg and stiffness in N/m of the ballast under a sleeper: of the cone, unless they are given."""
+    mass, stiffness = parameters.ballast_mass, parameters.ballast_stiffness
+    if mass is None or stiffness is None:
+        cone = ballast_cone(
+            parameters.ballast_depth,
+            parameters.ballast_angle,
+            parameters.ballast_density,
+            parameters.ballast_modulus,
+            doubled=parameters.ballast_doubled,
+        )
+        mass, stiffness = cone.mass if mass is None else mass, cone.stiffness if stiffness is None else stiffness
+    return mass, stiffness
 
 
 def _volume(h: float, h0: float, t: float, l_e: float, l_b: float) -> float:

@@ -6,7 +6,7 @@ from railsearch.errors import InputError
 from railsearch.parameters import make_parameters
 from railsearch_plugins.dynamics import beam
 from railsearch_plugins.track_irregularity import spectrum_named
-from railsearch_plugins.track_models.train_track_bridge.assembly import ballast_values
+from railsearch_plugins.track_models.train_track_bridge.ballast import ballast_values
 from railsearch_plugins.track_models.train_track_bridge.layout import (
     ROUNDING,
     axle_offsets,

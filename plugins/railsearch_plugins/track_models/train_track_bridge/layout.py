@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from railsearch_plugins.dynamics.banded import number_along
+from railsearch_plugins.dynamics.numbering import number_along
 from railsearch_plugins.track_models.train_track_bridge.parameters import TrainTrackBridgeParameters, Vehicle
 
 FloatArray = NDArray[np.float64]
