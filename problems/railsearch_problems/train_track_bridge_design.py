@@ -74,6 +74,8 @@ class Limits:
         return {name: limit for name, limit in dataclasses.asdict(self).items() if limit is not None}
 
 
+# The worst of 400 random designs (seed 1), rounded up.
+WORST = {"W_z": 1.71, "U_r": 1.5e-3, "A_s": 4.58, "U_d": 9.26e-4}
 MEANINGS: Mapping[str, Meaning] = {
     "pad_stiffness": ("N/m", False, "stiffness of the railpads on a sleeper"),
     "ballast_depth": ("m", False, "depth of the ballast under the sleepers"),
@@ -106,6 +108,7 @@ class TrainTrackBridgeDesignProblem(BridgeProblem):
             objectives=chosen_criteria(objectives or self.default_objectives),
             metrics=(*CRITERIA, *FURTHER),
             reference=reference_values(track, space.names, space.lower, space.upper),
+            worst=WORST,
             n_constraints=len(self.limits),
         )
         self.model = model
