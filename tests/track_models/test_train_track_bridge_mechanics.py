@@ -8,13 +8,16 @@ import scipy.linalg
 import scipy.sparse
 from bridges import case, short_bridge
 
+from railsearch_plugins.dynamics.moving_contact import static_displacement
 from railsearch_plugins.track_models.train_track_bridge import TrainTrackBridge, TrainTrackBridgeParameters
 from railsearch_plugins.track_models.train_track_bridge.assembly import (
     assemble_track,
     bridge_frequencies,
     make_train,
     rayleigh_factors,
+    track_matrices,
 )
+from railsearch_plugins.track_models.train_track_bridge.ballast import ballast_values
 from railsearch_plugins.track_models.train_track_bridge.parameters import Rail
 from railsearch_plugins.track_models.train_track_bridge.passage import simulate_passage
 
@@ -126,3 +129,39 @@ def test_response_is_linear_in_the_irregularity_and_the_seed_keeps_its_shape():
     ]
     np.testing.assert_allclose(forces[2] - forces[0], 2.0 * (forces[1] - forces[0]), rtol=0.0, atol=1e-4)
     assert np.abs(forces[1] - forces[0]).max() > 100.0
+
+
+def static_rail(parameters, position):
+    """Where a load of 1 N stands on the rail, with the layout, the numbering and the displacement of the whole track."""
+    elements = assemble_track(parameters)
+    node = int(np.argmin(np.abs(elements.layout.nodes - position)))
+    load = np.zeros(elements.numbering.size)
+    load[elements.numbering.rail[node, 0]] = 1.0
+    return elements.layout.nodes[node], elements, static_displacement(track_matrices(elements).stiffness, load)
+
+
+@pytest.mark.parametrize("share", [0.5, 0.3])
+def test_deck_bends_as_a_simply_supported_beam_under_a_standing_load(share):
+    """w(x) = P b x (L² − b² − x²)/(6 EI L) for x up to the load at a = L − b; the track spreads it over a metre or two."""
+    parameters = TrainTrackBridgeParameters(**LEVEL, vehicles=1)
+    span = assemble_track(parameters).layout.span
+    place, elements, found = static_rail(parameters, share * span)
+    x = elements.layout.bridge_nodes[1:-1]
+    a = np.where(x <= place, place, span - place)
+    x = np.where(x <= place, x, span - x)
+    b = span - a
+    stiffness = parameters.bridge_modulus * parameters.bridge_inertia
+    expected = b * x * (span**2 - b**2 - x**2) / (6.0 * stiffness * span)
+    np.testing.assert_allclose(found[elements.numbering.bridge[1:-1, 0]], expected, rtol=0.0, atol=2e-3 * expected.max())
+
+
+def test_rail_off_the_bridge_stands_on_a_winkler_foundation():
+    """u = P λ/(2 k), λ = (k/4EI)^(1/4), with pad, ballast and sub-ballast in series; sleepers are no continuum: 2 %."""
+    parameters = TrainTrackBridgeParameters(**LEVEL, vehicles=1, pad_stiffness=1e8)
+    series = 1.0 / sum(1.0 / k for k in (1e8, ballast_values(parameters)[1], parameters.subballast_stiffness))
+    foundation = series / parameters.sleeper_spacing
+    decay = (foundation / (4.0 * parameters.rail.bending_stiffness)) ** 0.25
+    over, between = (static_rail(parameters, position) for position in (-30.0, -30.3))
+    for place, elements, found in (over, between):
+        node = int(np.flatnonzero(elements.layout.nodes == place)[0])
+        assert found[elements.numbering.rail[node, 0]] == pytest.approx(0.5 * decay / foundation, rel=2e-2)
