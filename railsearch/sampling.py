@@ -6,9 +6,12 @@
 | d | number of variables | scalar | - | |
 | U | points of the unit cube | (n, d) | - | |
 | l | level of a point in one coordinate, each of 0 … n − 1 taken once | (n, d) | - | Ye et al. 2000 |
+| X | points of a random vector, F⁻¹(U) | (n, d) | the caller's | |
 
 A symmetric design holds with every point u its mirror image 1 − u (Ye, Li and Sudjianto 2000).
 """
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +19,14 @@ from numpy.typing import NDArray
 from railsearch.errors import InputError
 from railsearch.space import FloatArray, Space
 
+if TYPE_CHECKING:  # half a second of scipy that only those who have random vectors need
+    from railsearch.distributions import RandomVector
+
 RANK_TOLERANCE = 1e-6
 """Singular values of [U 1] below this fraction of the largest count as zero: such points determine no linear tail."""
+
+FACE = 2.0**-53
+"""How far points stay off the faces of the unit cube: the smallest step between two random numbers."""
 
 REPAIR_ATTEMPTS = 1000
 """Random replacements tried before a design of full affine rank is given up."""
@@ -38,6 +47,38 @@ def symmetric_latin_hypercube(n_points: int, dimension: int, generator: np.rando
     levels[:half] = first
     levels[n_points - half :] = (n_points - 1 - first)[::-1]
     return (levels + 0.5) / max(n_points, 1)
+
+
+def latin_hypercube(vector: "RandomVector", n_points: int, generator: np.random.Generator) -> FloatArray:
+    """Draw a Latin hypercube X (n, d) of a random vector: of every input, one value in each of n equally likely intervals.
+
+    X = F⁻¹((l + u)/n) with random permutations l and u uniform in (0, 1). Raises InputError for a negative number of points.
+    Source: McKay, Beckman and Conover 1979.
+    """
+    _check_size(n_points, vector.dimension)
+    levels = generator.permuted(np.tile(np.arange(n_points)[:, None], vector.dimension), axis=0)
+    return vector.from_uniform(_inside_cube((levels + generator.random(levels.shape)) / max(n_points, 1)))
+
+
+def sobol(vector: "RandomVector", n_points: int, generator: np.random.Generator) -> FloatArray:
+    """Draw the first n points X (n, d) of a scrambled Sobol' sequence in the space of a random vector.
+
+    They are balanced best if n is a power of two. Raises InputError for a negative number of points.
+    Source: Sobol' 1967; Owen 1998.
+    """
+    from scipy.stats.qmc import Sobol
+
+    _check_size(n_points, vector.dimension)
+    sequence = Sobol(vector.dimension, rng=generator)
+    # A whole power of two is drawn because anything else makes scipy warn.
+    points: FloatArray = sequence.random_base2(max(n_points - 1, 0).bit_length())[:n_points]
+    return vector.from_uniform(_inside_cube(points))
+
+
+def random_points(vector: "RandomVector", n_points: int, generator: np.random.Generator) -> FloatArray:
+    """Draw independent points X (n, d) of a random vector. Raises InputError for a negative number of points."""
+    _check_size(n_points, vector.dimension)
+    return vector.from_uniform(_inside_cube(generator.random((n_points, vector.dimension))))
 
 
 def random_designs(space: Space, n_points: int, generator: np.random.Generator) -> FloatArray:
@@ -90,6 +131,11 @@ def initial_design(
     wished = space.from_unit(symmetric_latin_hypercube(n_points, space.dimension, generator))
     designs = _distinct(space, wished, seen, generator)
     return _of_full_rank(space, designs, known, seen, generator)
+
+
+def _inside_cube(points: FloatArray) -> FloatArray:
+    """Points off the faces of the cube, where unbounded inputs are infinite."""
+    return np.clip(points, FACE, 1.0 - FACE)
 
 
 def _check_size(n_points: int, dimension: int) -> None:

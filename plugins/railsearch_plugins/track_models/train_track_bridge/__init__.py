@@ -1,0 +1,1 @@
+"""Vehicle-track-bridge model: a train on ballast track that crosses a simply supported bridge."""
