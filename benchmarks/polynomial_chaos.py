@@ -2,8 +2,8 @@
 
 python benchmarks/polynomial_chaos.py [--sizes 100 400 1000] [--seeds 10] [--bases own own-hyperbolic …]
 
-Latin hypercubes of every size and seed, 10 000 fresh random points each. The error is ε_gen = E[(g − ĝ)²]/Var(g). Times are those
-of the thread's processor.
+Latin hypercubes of every size and seed, 10 000 fresh random points each. The error is ε_gen = E[(g − ĝ)²]/Var(g). Times
+are those of the thread's processor.
 """
 
 import argparse
@@ -30,6 +30,9 @@ BASES = {
 """Loads on their own orthonormal polynomials or mapped to Hermite's, the set of terms grown or hyperbolic only."""
 
 
+HEADER = "   N  basis               ε_gen: median (range)                    ε_LOO     terms  seconds of a fit"
+
+
 def main():
     """Print a line per size and basis, and the time of evaluation."""
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -39,7 +42,7 @@ def main():
     asked = arguments.parse_args()
     inputs = Truss().distributions
     with threadpool_limits(1):
-        print("   N  basis               ε_gen: median (range)                    ε_LOO     terms  seconds of a fit", flush=True)
+        print(HEADER, flush=True)
         for size in asked.sizes:
             for basis in asked.bases:
                 print(line(inputs, size, basis, asked.seeds), flush=True)
@@ -58,7 +61,10 @@ def line(inputs, size, basis, seeds):
 def measured(inputs, size, basis, seed):
     """ε_gen, ε_LOO, number of terms and seconds of one fit."""
     generator = np.random.default_rng(seed)
-    points, fresh = latin_hypercube(inputs, size, generator), inputs.from_uniform(generator.random((FRESH, inputs.dimension)))
+    points, fresh = (
+        latin_hypercube(inputs, size, generator),
+        inputs.from_uniform(generator.random((FRESH, inputs.dimension))),
+    )
     model = PolynomialChaosRegressor(inputs=inputs, **BASES[basis])
     fit = seconds(lambda: model.fit(points, closed_form(points)))
     truth = closed_form(fresh)

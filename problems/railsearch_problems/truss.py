@@ -1,7 +1,7 @@
 """Problem `truss`: the midspan deflection of a statically determinate truss of 23 bars under six random loads.
 
-Source: Shang, Nogal, Teixeira & Wolfert, Reliability Engineering & System Safety 243 (2024) 109818; first Lee & Kwak, Computers
-and Structures 84 (2006) 1680-1690.
+Source: Shang, Nogal, Teixeira & Wolfert, Reliability Engineering & System Safety 243 (2024) 109818; first Lee & Kwak,
+Computers and Structures 84 (2006) 1680-1690.
 
     13 nodes, 11 horizontal bars (4 m each), 12 diagonals; span 24 m in 6 bays, height 2 m:
 

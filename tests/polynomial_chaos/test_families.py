@@ -56,7 +56,9 @@ def test_jacobi_polynomials_are_scipys(alpha, beta):
     ours = orthonormal_family(marginal, DEGREE).values(x, DEGREE)
     for k in range(DEGREE + 1):
         textbook = eval_jacobi(k, beta - 1.0, alpha - 1.0, 2.0 * x - 1.0)
-        np.testing.assert_allclose(ours[k], textbook / math.sqrt(jacobi_norm(k, beta - 1.0, alpha - 1.0)), rtol=1e-9, atol=1e-9)
+        np.testing.assert_allclose(
+            ours[k], textbook / math.sqrt(jacobi_norm(k, beta - 1.0, alpha - 1.0)), rtol=1e-9, atol=1e-9
+        )
 
 
 def jacobi_norm(k, a, b):
@@ -106,7 +108,7 @@ def test_stieltjes_finds_the_classical_recurrences(name):
 
 
 def test_the_recurrence_of_a_gumbel_distribution_is_that_of_its_exact_cumulants():
-    """The cumulants of (x − μ)/σ are (k − 1)! ζ(k) (√6/π)^k; a_k and b_k follow from the third and fourth (Gautschi 2004, 2.1)."""
+    """The cumulants of (x − μ)/σ are (k − 1)! ζ(k) (√6/π)^k; a_1 and b_2 follow from the third and fourth."""
     scale, zeta3 = math.sqrt(6.0) / math.pi, 1.2020569031595942
     skewness, kurtosis = 2.0 * zeta3 * scale**3, 3.0 + 6.0 * math.pi**4 / 90.0 * scale**4
     for name, sign in (("gumbel-max", 1.0), ("gumbel-min", -1.0)):
@@ -152,7 +154,9 @@ def test_a_mapped_basis_is_finite_at_the_bounds():
     assert np.isfinite(family.values([2.0, 5.0], 3)).all()
 
 
-@pytest.mark.parametrize(("table", "degree"), [({"distribution": "scipy.stats.t", "df": 5}, 10), ({"distribution": "scipy.stats.cauchy"}, 2)])
+@pytest.mark.parametrize(
+    ("table", "degree"), [({"distribution": "scipy.stats.t", "df": 5}, 10), ({"distribution": "scipy.stats.cauchy"}, 2)]
+)
 def test_a_distribution_without_moments_has_no_polynomials_of_its_own(table, degree):
     marginal = random_vector({"x": table}).marginals["x"]
     with pytest.raises(InputError, match="choose the basis 'hermite'"):

@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from sklearn.linear_model import Lars
+from sklearn.linear_model import lars_path
 
 from railsearch_plugins.polynomial_chaos.active_set import Candidates
 from railsearch_plugins.polynomial_chaos.growth import grown
@@ -39,12 +39,43 @@ def test_a_hyperbolic_set_holds_every_index_within_the_norm_once_and_by_growing_
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_the_order_of_least_angle_regression_is_scikit_learns(seed):
-    terms, values = correlated(seed=seed)
+def test_least_angle_regression_goes_the_way_of_scikit_learns(seed):
+    """As far as scikit-learn keeps the equal correlations that define it, which it loses late on some of these data."""
+    generator = np.random.default_rng(seed)
+    terms = generator.normal(size=(80, 20))
+    values = terms[:, :8] @ np.linspace(2.0, -1.0, 8) + generator.normal(size=80)
     candidates = Candidates(terms)
-    reference = Lars(fit_intercept=False, n_nonzero_coefs=25).fit(candidates.columns, values - values.mean())
-    path = least_angle_path(candidates, values, 25, 25, patience=25)
-    assert list(path.order) == list(reference.active_)
+    columns, rest = candidates.columns, values - values.mean()
+    _, order, coefficients = lars_path(columns, rest, method="lar")
+    left = np.abs(columns.T @ (rest[:, None] - columns @ coefficients))
+    sound = [bool(np.ptp(left[order[:k], k]) < 1e-8) for k in range(1, len(order))]
+    common = (*sound, False).index(False) + 1
+    assert common > 12
+    path = least_angle_path(candidates, values, 20, 20, patience=20)
+    assert list(path.order[:common]) == list(order[:common])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_least_angle_regression_moves_towards_the_least_squares_fit_until_another_term_is_as_correlated(seed):
+    """Efron et al. 2004, Eq. 2.19 and section 3.1, on correlated columns: a fit γ ŷ + (1 − γ) μ has (1 − γ) C left."""
+    terms, values = correlated(seed=seed)
+    columns, rest = Candidates(terms).columns, values - values.mean()
+    order = list(least_angle_path(Candidates(terms), values, 25, 25, patience=25).order)
+    fit = np.zeros(60)
+    for k in range(1, 25):
+        active, others = columns[:, order[:k]], order[k:]
+        ahead = active @ np.linalg.lstsq(active, rest)[0] - fit
+        largest = np.max(np.abs(active.T @ (rest - fit)))
+        assert np.abs(active.T @ (rest - fit)) == pytest.approx(np.full(k, largest), rel=1e-6)
+        c, a = columns.T @ (rest - fit), columns.T @ ahead
+        ends = {j: min(g for g in ends_of(largest, c[j], a[j]) if g > 0.0) for j in others}
+        assert order[k] == min(ends, key=ends.get)
+        fit = fit + ends[order[k]] * ahead
+
+
+def ends_of(largest, c, a):
+    """Where ± (c − γ a) = (1 − γ) C."""
+    return (largest - c) / (largest - a), (largest + c) / (largest + a)
 
 
 def test_forward_selection_lowers_the_squares_most_at_every_step():

@@ -13,7 +13,8 @@
 | T | correction n/(n − k − 1) (1 + tr((ΨᵀΨ)⁻¹)), Ψ with the constant | scalar | Blatman & Sudret 2011, Eq. 25 |
 | ε | T mean((r/(1 − h))²)/Var(y) | scalar | Blatman & Sudret 2011, Eq. 23 |
 
-The correction is that of Chapelle, Vapnik & Bengio 2002 with the Gram matrix of the terms as they are, so that it rises for bad designs.
+The correction is that of Chapelle, Vapnik & Bengio 2002 with the Gram matrix of the terms as they are, so that it rises for
+bad designs.
 """
 
 from dataclasses import dataclass
@@ -32,7 +33,7 @@ EXACT = 1e-30
 
 @dataclass(frozen=True)
 class SelectionPath:
-    """Terms (k,) in the order in which they came in, and ε (k + 1,) of the least-squares fits, of the constant alone first."""
+    """Terms (k,) in the order in which they came in, and ε (k + 1,) of the fits to them, the constant alone first."""
 
     order: NDArray[np.int64]
     errors: FloatArray

@@ -25,8 +25,8 @@ class PolynomialChaosRegressor(RegressorMixin, BaseEstimator):  # type: ignore[m
     basis: one for all inputs or one by name, those left out having `own`. The others are those of
     `PolynomialChaosParameters`.
 
-    After `fit`: `expansion_` (moments, indices, families), `loo_error`, `loo_residuals`, `errors`, and `trials_`, the sets of
-    terms that were searched. Source: Blatman & Sudret 2011; Sudret 2008.
+    After `fit`: `expansion_` (moments, indices, families), `loo_error`, `loo_residuals`, `errors`, and `trials_`, the
+    sets of terms that were searched. Source: Blatman & Sudret 2011; Sudret 2008.
     """
 
     def __init__(
@@ -61,7 +61,9 @@ class PolynomialChaosRegressor(RegressorMixin, BaseEstimator):  # type: ignore[m
         marginals = vector.marginals.values()
         self._values = np.asarray(y, dtype=float)
         chosen = families(marginals, settings.degree, self._bases(vector))
-        self._fitted = fit_expansion(chosen, vector.checked(X), self._values, settings)
+        # The end of a range that is taken from the data may lie beside the data by rounding.
+        points = X if self.inputs is None else vector.checked(X)
+        self._fitted = fit_expansion(chosen, points, self._values, settings)
         self.expansion_: Expansion = self._fitted.expansion
         self.trials_ = self._fitted.trials
         return self

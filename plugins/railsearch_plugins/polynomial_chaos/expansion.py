@@ -13,11 +13,13 @@ Since the terms are orthonormal: E[Y] = c_0, Var[Y] = Σ_{α ≠ 0} c_α², and 
 has together is Σ c_α² over the terms in which just these inputs occur (Sudret 2008, Eq. 28 to 36).
 """
 
+import itertools
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from railsearch.space import FloatArray
 
@@ -82,14 +84,14 @@ class Expansion:
     def sobol_index(self, inputs: Collection[int]) -> float:
         """S_u: the part of the variance that the inputs (by number) have all together and no fewer of them."""
         inside = np.isin(np.arange(self.indices.shape[1]), list(inputs))
-        return self._share(np.all((self.indices > 0) == inside, axis=1) & inside.any())
+        return self._share(np.all((self.indices > 0) == inside, axis=1) & self.indices.any(axis=1))
 
     def closed_index(self, inputs: Collection[int]) -> float:
         """Var(E[Y | X_u])/Var(Y): the part of the variance that the inputs and all sets of them have."""
         inside = np.isin(np.arange(self.indices.shape[1]), list(inputs))
         return self._share(self.indices.any(axis=1) & ~(self.indices > 0)[:, ~inside].any(axis=1))
 
-    def _share(self, terms: FloatArray) -> float:
+    def _share(self, terms: NDArray[np.bool_]) -> float:
         """Σ c² of the terms as a fraction of the variance; 0 of a constant."""
         return float(np.sum(self.coefficients[terms] ** 2)) / self.variance if self.variance > 0.0 else 0.0
 
@@ -101,7 +103,7 @@ class Expansion:
     def _rows(self) -> tuple[slice, ...]:
         """Where the polynomials of degree 1 and more of an input stand in the table."""
         ends = np.concatenate([[0], np.cumsum(self._degrees)])
-        return tuple(slice(int(low), int(high)) for low, high in zip(ends[:-1], ends[1:], strict=True))
+        return tuple(slice(int(low), int(high)) for low, high in itertools.pairwise(ends))
 
     @cached_property
     def _products(self) -> Products:

@@ -93,7 +93,7 @@ def orthonormal_family(marginal: Marginal, degree: int, basis: str = "own") -> F
     if basis not in BASES:
         raise InputError(f"basis: allowed is {' or '.join(map(repr, BASES))}, received {basis!r}")
     classical = None if _is_truncated(marginal) else _CLASSICAL.get(marginal.frozen.dist.name)
-    if basis == "hermite" and not (classical in (_normal, _lognormal)):
+    if basis == "hermite" and classical not in (_normal, _lognormal):
         return _mapped(marginal, degree)
     return classical(marginal, degree) if classical else _own(marginal, degree)
 
@@ -125,7 +125,9 @@ def _hermite(degree: int) -> tuple[FloatArray, FloatArray]:
 def _legendre(marginal: Marginal, degree: int) -> Family:
     k = np.arange(degree + 2.0)
     low, high = marginal.support
-    return _affine_family("Legendre", 0.5 * (low + high), 0.5 * (high - low), np.zeros(degree + 1), k**2 / (4.0 * k**2 - 1.0))
+    return _affine_family(
+        "Legendre", 0.5 * (low + high), 0.5 * (high - low), np.zeros(degree + 1), k**2 / (4.0 * k**2 - 1.0)
+    )
 
 
 def _normal(marginal: Marginal, degree: int) -> Family:

@@ -6,8 +6,8 @@
 | c | coefficients of the terms | (m,) | |
 | ε | corrected leave-one-out error, a fraction of the variance | scalar | |
 
-Terms with c² below a fraction of ε Var(y) are dropped, the rest is completed to a lower set, and every α is added whose backward
-neighbours α − e_i are all in the set (Jakeman, Eldred & Sargsyan 2015, section 4.2).
+Terms with c² below a fraction of ε Var(y) are dropped, the rest is completed to a lower set, and every α is added whose
+backward neighbours α − e_i are all in the set (Jakeman, Eldred & Sargsyan 2015, section 4.2).
 """
 
 import numpy as np
@@ -18,7 +18,8 @@ from railsearch.space import FloatArray
 from .multi_indices import IndexArray
 
 DROPPED = 0.1
-"""Terms with a smaller c² than this fraction of ε Var(y) are dropped; own choice, the best of 0, 0.03, 0.1 and 0.3 on the truss."""
+"""Terms with a smaller c² than this fraction of ε Var(y) are dropped; own choice, between 0.03 and 0.3, which do alike on a
+truss; without dropping, a grown set of 100 points can be worse than the one it came from."""
 
 
 def grown(indices: IndexArray, coefficients: FloatArray, floor: float, degree: int) -> IndexArray:

@@ -3,7 +3,7 @@
 | symbol | meaning | shape | source |
 |---|---|---|---|
 | X, Q, R, y, r | as in active_set.py | | |
-| c | correlations Xᵀ(y − μ) of the candidates with the residual of least angle regression | (m,) | Efron et al. 2004, Eq. 2.8 |
+| c | correlations Xᵀ(y − μ) of the candidates with what the path has left | (m,) | Efron et al. 2004, Eq. 2.8 |
 | C | the largest of them, which all active terms have | scalar | Eq. 2.9 |
 | s | their signs | (k,) | Eq. 2.10 |
 | u, A | equiangular vector of the active terms and its correlation with each of them | (n,), scalar | Eq. 2.6 |
@@ -11,8 +11,8 @@
 | γ | length of a step, until another term is as correlated as the active ones | scalar | Eq. 2.13 |
 | w | squared lengths of the candidates outside of the active terms | (m,) | Chen et al. 1989 |
 
-Both are hybrid: coefficients and error of every step are those of the least-squares fit of its terms (Efron et al. 2004, section 3.3;
-Blatman & Sudret 2011, section 3.4).
+Both are hybrid: coefficients and error of every step are those of the least-squares fit of its terms (Efron et al. 2004,
+section 3.3; Blatman & Sudret 2011, section 3.4).
 """
 
 import numpy as np
@@ -50,9 +50,7 @@ def least_angle_path(
     return steps.path
 
 
-def forward_path(
-    candidates: Candidates, values: FloatArray, count: int, most_terms: int, patience: int
-) -> SelectionPath:
+def forward_path(candidates: Candidates, values: FloatArray, count: int, most_terms: int, patience: int) -> SelectionPath:
     """Terms by forward selection: each the one that lowers Σ r² most, by (Xᵀr)²/w. Arguments as of `least_angle_path`.
 
     Source: Chen, Billings & Luo 1989, orthogonal least squares.

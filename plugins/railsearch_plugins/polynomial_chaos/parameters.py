@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from railsearch.errors import InputError
 from railsearch.interfaces import parameter
 
 from .families import BASES
@@ -26,16 +27,25 @@ class PolynomialChaosParameters:
         choices=BASES,
     )
     candidates_per_point: float = parameter(
-        2.0, meaning="sets of more candidate terms than this many times the points are not searched", source="own choice", above=0.0
+        2.0,
+        meaning="sets of more candidate terms than this many times the points are not searched",
+        source="own choice",
+        above=0.0,
     )
     target_error: float = parameter(
         0.0, meaning="corrected leave-one-out error, as a fraction of the variance, at which the search ends", minimum=0.0
     )
     stop_early: bool = parameter(
-        False, meaning="whether higher degrees are left out once the error has risen twice in a row", source="Blatman & Sudret 2011"
+        False,
+        meaning="whether higher degrees are left out once the error has risen twice in a row",
+        source="Blatman & Sudret 2011",
     )
     growth: bool = parameter(
         True,
         meaning="whether the best hyperbolic set is then pruned and grown at its borders as long as that lowers the error",
         source="Jakeman, Eldred & Sargsyan 2015",
     )
+
+    def __post_init__(self) -> None:
+        if not self.norms:
+            raise InputError("norms: one or more are needed, such as 0.5, received none")

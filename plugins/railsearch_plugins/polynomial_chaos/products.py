@@ -8,8 +8,8 @@
 | Y | Σ_terms c Π_j v[f_j] | (n,) |
 | g | ∂Y/∂v | (r, n) |
 
-Terms of an order are multiplied all at once; the derivative by a factor is the product of the others, from products up to it and
-products after it, so that nothing is divided.
+Terms of an order are multiplied all at once; the derivative by a factor is the product of the others, from products up
+to it and products after it, so that nothing is divided.
 """
 
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ from .multi_indices import IndexArray
 
 @dataclass(frozen=True)
 class _Order:
-    """The terms of one order: their factors (o, m), coefficients (m,), and for each place the sums over terms by factor (r, m)."""
+    """The terms of one order: factors (o, m), coefficients (m,), and for each place the sums over terms by factor (r, m)."""
 
     factors: IndexArray
     coefficients: FloatArray

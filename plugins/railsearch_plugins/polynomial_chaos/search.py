@@ -99,6 +99,8 @@ class _Search:
         """Least angle regression over the sets of every norm, by growing degree; sets of the same size are the same."""
         known: set[bytes] = set()
         for q in self.settings.norms:
+            if self.finished:
+                break
             largest = self._largest_set(q)
             candidates = Candidates(design_matrix(self.families, largest, self.points))
             errors: list[float] = []
@@ -143,7 +145,7 @@ class _Search:
         """Coefficients (k + 1,), of the constant first, and an orthonormal basis (n, k + 1) of the terms."""
         matrix = design_matrix(self.families, self._with_constant(chosen), self.points)
         basis, factor = qr(matrix, mode="economic", check_finite=False)
-        return solve_triangular(factor, basis.T @ self.values, check_finite=False), basis
+        return np.asarray(solve_triangular(factor, basis.T @ self.values, check_finite=False)), basis
 
     def _with_constant(self, chosen: IndexArray) -> IndexArray:
         return np.vstack([np.zeros((1, len(self.families)), dtype=np.int64), chosen])
@@ -156,7 +158,7 @@ class _Search:
 
     def _weights(self) -> FloatArray:
         """Numbers by which multi-indices are told apart."""
-        return np.sqrt(np.arange(2.0, len(self.families) + 2.0)) * np.pi ** np.arange(len(self.families))
+        return np.asarray(np.sqrt(np.arange(2.0, len(self.families) + 2.0)) * np.pi ** np.arange(len(self.families)))
 
     def _note(self, origin: str, path: SelectionPath, candidates: IndexArray) -> None:
         self.trials.append(Trial(origin, len(candidates), len(path.best), path.error))

@@ -6,8 +6,8 @@
 | t_i, w_i | nodes and weights with Σ w_i f(t_i) ≈ E[f] | (n,) | |
 | ψ_k, a_k, b_k | as in families.py: a_k = E[t ψ_k²], b_{k+1} = ‖(t − a_k) ψ_k − √b_k ψ_{k−1}‖² | | Gautschi 2004, 2.2.3.1 |
 
-Expectations are integrals over ξ with the normal density, in which x(ξ) is smooth for whatever smooth tail the distribution has. Panels
-of Gauss and Legendre's rule are halved where x(ξ) is not resolved, as at the kink of a triangular distribution.
+Expectations are integrals over ξ with the normal density, in which x(ξ) is smooth whatever the tail of the distribution.
+Panels of Gauss and Legendre's rule are halved where x(ξ) is not resolved, as at the kink of a triangular distribution.
 """
 
 import numpy as np
@@ -30,7 +30,7 @@ HALVINGS = 45
 """A panel is halved so many times at most."""
 
 RESOLVED = 1e-13
-"""The last coefficients of x(ξ) on a panel, weighted with the root of its probability, as fractions of the standard deviation."""
+"""The last coefficients of x(ξ) on a panel, times the root of its probability, as fractions of the standard deviation."""
 
 NEGLIGIBLE = 1e-13
 """Share of a squared polynomial that may come from the outer values of ξ."""
@@ -84,6 +84,6 @@ def _check_tails(shares: FloatArray, weights: FloatArray, degree: int) -> None:
         share = float(np.sum(shares[outer]) / np.sum(shares))
     if not share < NEGLIGIBLE:
         raise InputError(
-            f"basis: the moments of order {2 * degree} of a distribution with such tails come from values that never occur, so it "
-            f"has no polynomials of its own of degree {degree}; lower the degree or choose the basis 'hermite'"
+            f"basis: the moments of order {2 * degree} of a distribution with such tails come from values that never occur, "
+            f"so it has no polynomials of its own of degree {degree}; lower the degree or choose the basis 'hermite'"
         )

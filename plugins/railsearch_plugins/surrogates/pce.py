@@ -14,7 +14,7 @@ from ..polynomial_chaos.search import FittedExpansion, fit_expansion
 
 
 class PolynomialChaos:
-    """Expansion in orthonormal polynomials: Legendre's on the unit cube of a search, or those of given inputs (`for_inputs`).
+    """Expansion in orthonormal polynomials: Legendre's on the unit cube of a search, others of given inputs (`for_inputs`).
 
     It regresses: values are not met exactly. Added points bring a search for the terms from the start.
     Source: Blatman & Sudret 2011.
