@@ -35,7 +35,7 @@ def truss_error(size, seed, **settings):
 
 @pytest.mark.parametrize(("size", "bound"), [(100, 2e-4), (400, 1e-6)])
 def test_the_truss_with_gumbel_loads(size, bound):
-    """Bounds that a search over hyperbolic sets alone reaches in the median; the best of public libraries: 8.7e-4, 1.9e-5."""
+    """Bounds that a search over hyperbolic sets alone reaches in the median; public libraries: 8.7e-4, 1.9e-5."""
     assert np.median([truss_error(size, seed)[0] for seed in range(3)]) < bound
 
 
@@ -62,7 +62,11 @@ def test_moments_and_indices_of_the_truss():
 
 def test_errors_after_a_fit():
     error, model = truss_error(100, 2, growth=False)
-    assert model.errors["leave-one-out"] == model.loo_error == pytest.approx(np.mean(model.loo_residuals**2) / model_variance(2))
+    assert (
+        model.errors["leave-one-out"]
+        == model.loo_error
+        == pytest.approx(np.mean(model.loo_residuals**2) / model_variance(2))
+    )
     assert model.errors["training"] < model.loo_error < model.errors["corrected"]
     assert model.errors["corrected"] == pytest.approx(error, rel=4.0)
 

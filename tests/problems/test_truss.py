@@ -76,7 +76,11 @@ def test_published_importances_of_the_largest_deflection():
 
 @pytest.mark.parametrize(
     ("designs", "message"),
-    [(np.ones((2, 9)), r"designs \(n, 10\) .* \(2, 9\)"), (np.zeros((1, 10)), "above 0"), (np.full((1, 10), np.nan), "finite")],
+    [
+        (np.ones((2, 9)), r"designs \(n, 10\) .* \(2, 9\)"),
+        (np.zeros((1, 10)), "above 0"),
+        (np.full((1, 10), np.nan), "finite"),
+    ],
 )
 def test_bad_designs_are_refused(designs, message):
     for function in (deflections, closed_form):

@@ -89,7 +89,8 @@ class Expansion:
     def closed_index(self, inputs: Collection[int]) -> float:
         """Var(E[Y | X_u])/Var(Y): the part of the variance that the inputs and all sets of them have."""
         inside = np.isin(np.arange(self.indices.shape[1]), list(inputs))
-        return self._share(self.indices.any(axis=1) & ~(self.indices > 0)[:, ~inside].any(axis=1))
+        present = self.indices > 0
+        return self._share((present.sum(axis=1) > 0) & (present[:, ~inside].sum(axis=1) == 0))
 
     def _share(self, terms: NDArray[np.bool_]) -> float:
         """Σ c² of the terms as a fraction of the variance; 0 of a constant."""
