@@ -55,7 +55,7 @@ def test_values_are_those_of_the_design_matrix():
 
 def test_gradients_are_differences():
     expansion, generator = random_expansion(MIXED), np.random.default_rng(2)
-    points = MIXED.from_uniform(generator.uniform(0.1, 0.9, (700, 5)))
+    points = MIXED.from_uniform(generator.uniform(0.1, 0.9, (1100, 5)))
     gradient = expansion.gradient(points) * MIXED.std
     for i, step in enumerate(1e-5 * np.diag(MIXED.std)):
         slope = (expansion.predict(points + step) - expansion.predict(points - step)) * 0.5e5

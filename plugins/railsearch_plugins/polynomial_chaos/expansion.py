@@ -27,8 +27,8 @@ from .families import Family
 from .multi_indices import IndexArray
 from .products import Products
 
-BLOCK = 512
-"""Points evaluated at a time, so that the products of a block stay in the processor's cache."""
+BLOCK = 1024
+"""Points evaluated at a time, so that the products of a block stay in the cache."""
 
 
 @dataclass(frozen=True)
