@@ -37,7 +37,7 @@ def fitted(inputs, points, values, **settings):
     return fit_expansion(made, points, values, chosen)
 
 
-def random_expansion(inputs, degree=4, q=0.7, seed=0):
+def random_expansion(inputs, degree=5, q=1.0, seed=0):
     indices = hyperbolic_set(inputs.dimension, degree, q, 10_000)
     made = families(inputs.marginals.values(), degree, ["own"] * inputs.dimension)
     return Expansion(made, indices, np.random.default_rng(seed).normal(size=len(indices)))

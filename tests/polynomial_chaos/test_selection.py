@@ -80,10 +80,10 @@ def ends_of(largest, c, a):
 
 def test_forward_selection_lowers_the_squares_most_at_every_step():
     """Against least-squares fits to every set with one term more."""
-    terms, values = correlated(m=10)
-    path = forward_path(Candidates(terms), values, 10, 10, patience=10)
-    for k in range(6):
-        sums = {j: squares(terms[:, [*path.order[:k], j]], values) for j in set(range(10)) - set(path.order[:k])}
+    terms, values = correlated(m=25)
+    path = forward_path(Candidates(terms), values, 25, 25, patience=25)
+    for k in range(20):
+        sums = {j: squares(terms[:, [*path.order[:k], j]], values) for j in set(range(25)) - set(path.order[:k])}
         assert path.order[k] == min(sums, key=sums.get)
 
 

@@ -8,8 +8,8 @@
 | Y | Σ_terms c Π_j v[f_j] | (n,) |
 | g | ∂Y/∂v | (r, n) |
 
-Terms of two factors are a quadratic form of v. Those of a higher order are multiplied all at once; the derivative by a factor is
-the product of the others, from products up to it and products after it, so that nothing is divided.
+Terms of two factors are a quadratic form of v. Those of a higher order are multiplied all at once; the derivative by a
+factor is the product of the others, from products up to it and products after it, so that nothing is divided.
 """
 
 from dataclasses import dataclass
@@ -73,7 +73,7 @@ class Products:
         return total, rates
 
     def _low_orders(self, table: FloatArray, paired: FloatArray) -> FloatArray:
-        """The terms of up to two factors: a constant, a linear and a quadratic form, every pair of which is in there twice."""
+        """The terms of up to two factors: a constant, a linear and a quadratic form, in which every pair stands twice."""
         return np.asarray(self._constant + self._single @ table + 0.5 * np.einsum("rn,rn->n", table, paired))
 
 
