@@ -42,6 +42,12 @@ def test_published_moments():
     np.testing.assert_allclose(inputs.mean, Truss().reference, rtol=1e-12)
 
 
+def test_loads_have_gumbels_distribution_for_maxima():
+    """Its mode, at which F = 1/e, lies γ s below the mean."""
+    modes = Truss().distributions.percentiles([np.exp(-1.0)])[0, 4:]
+    np.testing.assert_allclose(modes, 5.0e4 - np.euler_gamma * 7.5e3 * np.sqrt(6.0) / np.pi, rtol=1e-12)
+
+
 def test_published_ranges_are_the_percentiles_that_the_publication_means():
     """0.1 and 99.9 % of moduli and cross-sections, as printed; loads 1 and 99.9 % of Gumbel's distribution for minima."""
     problem = Truss()
