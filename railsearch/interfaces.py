@@ -6,7 +6,7 @@ A plugin is a class of one of these shapes, registered under a name through a ho
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,9 @@ from numpy.typing import NDArray
 from railsearch.errors import CapabilityError
 from railsearch.parameters import NoParameters, parameter
 from railsearch.space import FloatArray, Space, Variable
+
+if TYPE_CHECKING:  # half a second of scipy that only those who have random vectors need
+    from railsearch.distributions import RandomVector
 
 __all__ = ["NoParameters", "Space", "Variable", "parameter"]
 
@@ -110,7 +113,8 @@ class Surrogate(Protocol):
     """A cheap model of an expensive function on the unit cube [0, 1]^d. Made as `cls(dimension, parameters)`.
 
     One whose `add` does not give what a fit to all points gives says in an attribute `add_tolerance` by which fraction of
-    the spread of the values the predictions may differ. One that cannot carry out a method raises SurrogateError there
+    the spread of the values the predictions may differ. One that does not meet the values it was fitted to says
+    `interpolates = False`. One that cannot carry out a method raises SurrogateError there
     and names the method in an attribute `lacks`.
     """
 
@@ -137,6 +141,17 @@ class UncertainSurrogate(Surrogate, Protocol):
 
     def deviation_gradient(self, points: FloatArray) -> FloatArray:
         """Derivatives (k, d) of the standard deviation at points (k, d)."""
+
+
+class RandomInputSurrogate(Surrogate, Protocol):
+    """A surrogate that makes use of the distributions of the inputs where they are known: in a sensitivity analysis.
+
+    One without `for_inputs` is made there on the unit cube of F(x), like in a search.
+    """
+
+    @classmethod
+    def for_inputs(cls, inputs: "RandomVector", parameters: Any) -> Surrogate:
+        """A surrogate whose points are those of the random inputs, in their own units, in place of the unit cube's."""
 
 
 def lacking(surrogate: Surrogate, methods: Sequence[str]) -> list[str]:

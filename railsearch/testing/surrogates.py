@@ -16,10 +16,14 @@ from railsearch.testing.requirement import require
 Function = Callable[[FloatArray], FloatArray]
 
 
-def check_surrogate(plugin: Any, settings: Mapping[str, object] | None = None, interpolates: bool = True) -> None:
-    """Check a surrogate class, made with `settings` of its parameters; see `check_made_surrogate`."""
+def check_surrogate(plugin: Any, settings: Mapping[str, object] | None = None, interpolates: bool | None = None) -> None:
+    """Check a surrogate class, made with `settings` of its parameters; see `check_made_surrogate`.
+
+    interpolates: None for what the class says itself.
+    """
     parameters = make_parameters(plugin.Parameters, dict(settings or {}), "surrogate")
-    check_made_surrogate(lambda dimension: plugin(dimension, parameters), interpolates)
+    said = bool(getattr(plugin, "interpolates", True))
+    check_made_surrogate(lambda dimension: plugin(dimension, parameters), said if interpolates is None else interpolates)
 
 
 def check_made_surrogate(make: Callable[[int], Surrogate], interpolates: bool = True) -> None:

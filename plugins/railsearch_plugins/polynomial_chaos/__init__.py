@@ -1,0 +1,1 @@
+"""Sparse polynomial chaos: expansions in polynomials that are orthonormal for the distribution of the inputs."""
