@@ -66,13 +66,21 @@ def sobol(vector: "RandomVector", n_points: int, generator: np.random.Generator)
     They are balanced best if n is a power of two. Raises InputError for a negative number of points.
     Source: Sobol' 1967; Owen 1998.
     """
+    return vector.from_uniform(_inside_cube(sobol_points(n_points, vector.dimension, generator)))
+
+
+def sobol_points(n_points: int, dimension: int, generator: np.random.Generator) -> FloatArray:
+    """Draw the first n points U (n, d) of a scrambled Sobol' sequence on the unit cube.
+
+    Raises InputError for a negative number of points or a dimension below one. Source: Sobol' 1967; Owen 1998.
+    """
     from scipy.stats.qmc import Sobol
 
-    _check_size(n_points, vector.dimension)
-    sequence = Sobol(vector.dimension, rng=generator)
+    _check_size(n_points, dimension)
+    sequence = Sobol(dimension, rng=generator)
     # A whole power of two is drawn because anything else makes scipy warn.
     points: FloatArray = sequence.random_base2(max(n_points - 1, 0).bit_length())[:n_points]
-    return vector.from_uniform(_inside_cube(points))
+    return points
 
 
 def random_points(vector: "RandomVector", n_points: int, generator: np.random.Generator) -> FloatArray:

@@ -10,8 +10,8 @@ import pytest
 from scipy.optimize import minimize
 from threadpoolctl import threadpool_limits
 
+from railsearch.projected_gradient import minimised
 from railsearch.space import Space, Variable
-from railsearch_plugins.metric_search.projected_gradient import minimised
 from railsearch_plugins.metric_search.tree_search import Boxes, branch_and_bound, tree_search
 from railsearch_plugins.surrogates.rbf import RadialBasisFunctionInterpolant, RadialBasisFunctionParameters
 

@@ -21,9 +21,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from railsearch.projected_gradient import SmoothFunction, minimised
 from railsearch.space import FloatArray, Space
-
-from .projected_gradient import SmoothFunction, minimised
 
 Relaxations = Callable[["Boxes"], tuple[FloatArray, FloatArray]]
 """Minimises f̂ in each of k boxes: the minimisers (k, d) and f̂ there (k,)."""
