@@ -13,7 +13,7 @@ import difflib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,8 @@ if TYPE_CHECKING:  # half a second of scipy that only those who have random vect
     from railsearch.distributions import RandomVector
 
 EQUAL, LOGARITHMIC, RANDOM = SPACINGS = ("equal", "logarithmic", "random")
+T = TypeVar("T")
+
 WIDE = 1e3
 """A range wider than this (SI) gets a logarithmic grid where its lower bound is positive."""
 
@@ -160,7 +162,7 @@ _GRIDS: Mapping[str, Callable[[Variable, int, np.random.Generator | None], Float
 }
 
 
-def _by_name[T](value: T | Mapping[str, T] | None, names: Sequence[str], where: str) -> Mapping[str, T]:
+def _by_name(value: T | Mapping[str, T] | None, names: Sequence[str], where: str) -> Mapping[str, T]:
     if isinstance(value, Mapping):
         _check_known(list(value), names, f"{where}: factor")
         return value

@@ -74,6 +74,10 @@ class PolynomialChaos:
         """Derivatives (k, d) of the prediction at points (k, d)."""
         return self.expansion.gradient(np.atleast_2d(points))
 
+    def predict_with_gradient(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Predictions (k,) and their derivatives (k, d) at points (k, d), from one table of polynomials."""
+        return self.expansion.predict_with_gradient(np.atleast_2d(points))
+
     def _checked(self, points: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
         points, values = np.array(points, dtype=float), np.array(values, dtype=float)
         if points.ndim != 2 or points.shape[1] != self._dimension or values.shape != (len(points),):
