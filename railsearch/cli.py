@@ -14,6 +14,7 @@ from railsearch.commands.evaluation import evaluate, simulate
 from railsearch.commands.options import messages
 from railsearch.commands.sampling import sample
 from railsearch.commands.search import dashboard, run, show
+from railsearch.commands.sensitivity import sensitivity
 from railsearch.commands.track_export import export_track
 from railsearch.errors import RailsearchError
 from railsearch.hookspecs import hookimpl
@@ -37,6 +38,7 @@ def railsearch_commands(register: Callable[[str, Any], None]) -> None:
         ("simulate", simulate),
         ("evaluate", evaluate),
         ("sample", sample),
+        ("sensitivity", sensitivity),
         ("run", run),
         ("show", show),
         ("choose", choose),

@@ -12,6 +12,7 @@ from rich.table import Table
 
 from railsearch.commands.options import (
     AsJson,
+    Asked,
     Assignments,
     Parameters,
     ProblemName,
@@ -25,7 +26,7 @@ from railsearch.commands.progress import sample_progress
 from railsearch.design_problem import DesignProblem
 from railsearch.errors import SimulationError
 from railsearch.interfaces import Evaluation, Quantity
-from railsearch.plugin_manager import load_plugins
+from railsearch.plugin_manager import Registry, load_plugins
 from railsearch.run import MemoryRecord, Record
 from railsearch.run_directory import write_whole
 from railsearch.samples import (
@@ -93,16 +94,28 @@ def sample(
         evaluations = _evaluated(problem, experiment, MemoryRecord(), simulating)
         _print_ranges(problem, experiment, evaluations, as_json)
         return
-    file = SampleFile(out, problem)
+    experiment, evaluations = sampled_into(out, registry, asked, (design, number, seed), simulating)
+    _succeeded(evaluations)
+    _draw(out.with_suffix(".png"), problem, evaluations)
+    _print_summary(problem, experiment, evaluations, out, as_json)
+
+
+def sampled_into(
+    out: Path,
+    registry: Registry,
+    asked: Asked,
+    wanted: tuple[ExperimentDesign, int, int | None],
+    simulating: Simulators,
+) -> tuple[Experiment, list[Evaluation]]:
+    """Evaluate an experiment (its design, number and seed are `wanted`) into a file, as far as that has not been done."""
+    (design, number, seed), problem, file = wanted, asked.problem, SampleFile(out, asked.problem)
     experiment = Experiment(design, number, _seed(seed, file))
     identity = experiment_identity(registry, asked.settings, problem, experiment)
     with file.claimed(sample_file_document(registry, problem, command_line(), identity)) as begun:
         evaluations = _evaluated(problem, experiment, file, simulating, out)
         if file.finish(evaluations, begun):
             messages.print(f"wrote {out}")
-    _succeeded(evaluations)
-    _draw(out.with_suffix(".png"), problem, evaluations)
-    _print_summary(problem, experiment, evaluations, out, as_json)
+    return experiment, evaluations
 
 
 def _seed(seed: int | None, file: SampleFile) -> int:

@@ -117,9 +117,7 @@ def default_spacing(variable: Variable) -> str:
     return LOGARITHMIC if wide else EQUAL
 
 
-def grid_values(
-    variable: Variable, points: int, spacing: str, generator: np.random.Generator | None = None
-) -> FloatArray:
+def grid_values(variable: Variable, points: int, spacing: str, generator: np.random.Generator | None = None) -> FloatArray:
     """The grid (n,) of a variable; that of an integer has each whole number once. Raises InputError as `factors_on`."""
     if isinstance(points, bool) or not isinstance(points, int | np.integer) or points < FEWEST_POINTS:
         raise InputError(f"points of {variable.name}: an integer ≥ {FEWEST_POINTS} is needed, received {points!r}")

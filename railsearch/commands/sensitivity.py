@@ -1,0 +1,272 @@
+"""The command that finds out which inputs move the worst response: sensitivity."""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.table import Table
+
+from railsearch.commands.options import (
+    AsJson,
+    Asked,
+    Assignments,
+    Parameters,
+    asked_problem,
+    assignments,
+    command_line,
+    messages,
+    print_json,
+    results,
+)
+from railsearch.commands.sampling import sampled_into
+from railsearch.design_problem import DesignProblem
+from railsearch.distributions import INDEPENDENT, RandomVector, random_vector
+from railsearch.errors import InputError
+from railsearch.interfaces import Quantity
+from railsearch.plugin_manager import Registry, load_plugins
+from railsearch.result import quantities, versions
+from railsearch.run_directory import make_folder, write_whole
+from railsearch.samples import ExperimentDesign, Samples, input_distributions, read_samples
+from railsearch.seeding import checked_seed
+from railsearch.sensitivity.thresholds import LIMITS, UPPER
+from railsearch.sensitivity_study import (
+    FORMAT,
+    CriterionStudy,
+    SampledOutput,
+    StudySettings,
+    check_independent,
+    sampled_output,
+    study_samples,
+)
+from railsearch.simulation import simulators
+from railsearch.site import read_toml
+from railsearch.wording import quantity_label, readable
+
+SHOWN = 6
+
+
+@dataclass(frozen=True)
+class Data:
+    """What is analysed: random inputs with units, samples, and the outputs that may be asked for."""
+
+    name: str
+    inputs: RandomVector
+    units: Mapping[str, str]
+    ranges: Mapping[str, Sequence[float]]
+    samples: Samples
+    outputs: Mapping[str, Quantity]
+    default: tuple[str, ...]
+    seed: int
+
+
+def sensitivity(
+    name: Annotated[
+        str | None,
+        typer.Argument(metavar="[PROBLEM]", help="Problem whose variables are the inputs; not for data of your own."),
+    ] = None,
+    number: Annotated[
+        int, typer.Option("--samples", "-n", help="How many samples of the problem are evaluated.", min=10)
+    ] = 1000,
+    design: Annotated[
+        ExperimentDesign, typer.Option("--design", "-d", help="How the samples are drawn.")
+    ] = ExperimentDesign.LHS,
+    data: Annotated[
+        Path | None,
+        typer.Option("--data", metavar="FILE", help="Samples that there are, .parquet or .csv, in place of new ones."),
+    ] = None,
+    distributions: Annotated[
+        Path | None,
+        typer.Option("--distributions", metavar="FILE.toml", help="Distributions of the inputs of data of your own."),
+    ] = None,
+    criteria: Annotated[
+        str,
+        typer.Option("--criterion", "-c", metavar="A_s,U_d", help="Outputs to analyse; default: the problem's objectives."),
+    ] = "",
+    thresholds: Annotated[
+        str, typer.Option("--thresholds", metavar="14.7,19.6", help="Limits of the one criterion, in its unit.")
+    ] = "",
+    limit: Annotated[str, typer.Option("--limit", help=f"Which side of a threshold fails: {' or '.join(LIMITS)}.")] = UPPER,
+    surrogate: Annotated[str, typer.Option("--surrogate", help="See `railsearch list surrogate`.")] = "pce",
+    surrogate_set: Annotated[
+        list[str] | None, typer.Option("--surrogate-set", metavar="NAME=VALUE", help="Change one setting of the surrogate.")
+    ] = None,
+    points: Annotated[int, typer.Option("--points", help="Grid values of each input.", min=2)] = 100,
+    level: Annotated[
+        float, typer.Option("--level", help="Percentile, as a fraction, that bounds an input without bounds.")
+    ] = 0.01,
+    seed: Annotated[int | None, typer.Option("--seed", help="Seed; drawn and reported if not given.")] = None,
+    parameters: Parameters = None,
+    assigned: Assignments = None,
+    workers: Annotated[int, typer.Option("--workers", "-w", help="Processes that evaluate side by side.", min=1)] = 1,
+    timeout: Annotated[
+        float | None, typer.Option("--timeout", metavar="SECONDS", help="Time limit of one evaluation.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", metavar="DIR", help="Folder for samples, results and report.")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Find out which inputs move the worst response, and which ranges keep a limit state out of reach (A-1AT).
+
+    Samples of the problem are evaluated, or read with --data; a surrogate is fitted to each criterion; every input is held on
+    a grid while all others do their worst. Beside the importances stand Sobol' indices, elementary effects and
+    one-at-a-time shares. The same command goes on where it was stopped.
+
+        railsearch sensitivity train-track-bridge --samples 3000 --workers 2 --criterion A_s --thresholds 4,5 --seed 1
+
+    Data of your own need no problem: a table of inputs and outputs, and a file with a table [distributions.INPUT] for each
+    input (distribution = "normal", mean = …, std = …, and unit if you like):
+
+        railsearch sensitivity --data measured.csv --distributions inputs.toml --criterion deflection
+    """
+    registry = load_plugins()
+    folder = out or Path(f"{name or (data.stem if data else 'data')}-sensitivity")
+    if name is None:
+        found = _own_data(data, distributions, seed)
+    else:
+        asked = asked_problem(registry, name, parameters, _all_objectives(registry, name), assigned=assigned)
+        if distributions is not None:
+            raise InputError("--distributions: they belong to data of your own; those of a problem are in its site file")
+        found = _problem_data(registry, asked, (design, number, seed), data, folder, (timeout, workers))
+    chosen = tuple(part.strip() for part in criteria.split(",") if part.strip()) or found.default
+    settings = StudySettings(
+        _thresholds(thresholds, chosen),
+        points,
+        surrogate,
+        assignments(surrogate_set),
+        level,
+        found.ranges,
+        limit,
+        found.seed,
+    )
+    check_independent(found.inputs, found.samples.input_matrix(found.inputs.names))
+    outputs = [_output(found, criterion) for criterion in chosen]
+    studies = study_samples(registry, found.inputs, found.units, outputs, settings, messages.print)
+    document = _document(found, settings, studies)
+    make_folder(folder)
+    write_whole(folder / "sensitivity.json", json.dumps(document, ensure_ascii=False, allow_nan=False).encode())
+    if as_json:
+        print_json(document)
+        return
+    for study in studies:
+        _print_study(study)
+    results().print(f"seed {found.seed}; everything is in {folder}")
+
+
+def _all_objectives(registry: Registry, name: str) -> str:
+    return ",".join(quantity.name for quantity in registry.get("problem", name).available_objectives)
+
+
+def _problem_data(
+    registry: Registry,
+    asked: Asked,
+    wanted: tuple[ExperimentDesign, int, int | None],
+    data: Path | None,
+    folder: Path,
+    running: tuple[float | None, int],
+) -> Data:
+    problem, seed = asked.problem, wanted[2]
+    if data is None:
+        data = folder / "samples.parquet"
+        experiment, _ = sampled_into(data, registry, asked, wanted, simulators(problem, *running))
+        seed = experiment.seed
+    inputs = input_distributions(problem)
+    samples = read_samples(data, inputs.names)
+    return Data(
+        problem.name,
+        inputs,
+        {variable.name: variable.unit for variable in problem.space.variables},
+        _bounds(problem),
+        samples,
+        {quantity.name: quantity for quantity in quantities(problem)},
+        tuple(objective.name for objective in problem.objectives),
+        checked_seed(seed),
+    )
+
+
+def _bounds(problem: DesignProblem) -> dict[str, tuple[float, float]]:
+    """The bounds of a search, which are the ranges of the inputs."""
+    return {variable.name: (variable.lower, variable.upper) for variable in problem.space.variables}
+
+
+def _own_data(data: Path | None, distributions: Path | None, seed: int | None) -> Data:
+    if data is None or distributions is None:
+        raise InputError("a problem is needed, or --data with --distributions; `railsearch list problem` has the problems")
+    stated = read_toml(distributions)
+    tables, ranges = stated.pop("distributions", None), stated.pop("ranges", {})
+    if "correlation" in stated:
+        raise InputError(f"{distributions}: correlation: {INDEPENDENT}")
+    if stated or not isinstance(tables, dict) or not tables or not all(isinstance(table, dict) for table in tables.values()):
+        unknown = f"; unknown: {', '.join(stated)}" if stated else ""
+        raise InputError(f"{distributions}: tables [distributions.INPUT], and [ranges] if wanted, are needed{unknown}")
+    units = {name: str(table.pop("unit", "")) for name, table in tables.items()}
+    inputs = random_vector(tables, where=f"{distributions}: distributions")
+    samples = read_samples(data, inputs.names)
+    units = {name: units[name] or samples.input_units.get(name, "") for name in inputs.names}
+    outputs = {name: Quantity(name, samples.output_units.get(name, "")) for name in samples.outputs}
+    return Data(data.name, inputs, units, ranges, samples, outputs, tuple(outputs), checked_seed(seed))
+
+
+def _thresholds(text: str, criteria: Sequence[str]) -> dict[str, list[float]]:
+    if not text.strip():
+        return {}
+    if len(criteria) != 1:
+        raise InputError(
+            f"--thresholds: they belong to one criterion, received {', '.join(criteria)}; name it with --criterion"
+        )
+    try:
+        return {criteria[0]: [float(part) for part in text.split(",")]}
+    except ValueError:
+        raise InputError(f"--thresholds: numbers with commas between them are needed, received {text!r}") from None
+
+
+def _output(found: Data, name: str) -> SampledOutput:
+    if name not in found.outputs:
+        raise InputError(f"--criterion: unknown '{name}'; there are {', '.join(found.outputs)}")
+    return sampled_output(found.outputs[name], found.samples.input_matrix(found.inputs.names), found.samples.output(name))
+
+
+def _document(found: Data, settings: StudySettings, studies: Sequence[CriterionStudy]) -> dict[str, Any]:
+    return {
+        "format": FORMAT,
+        "command": command_line(),
+        "of": found.name,
+        "seed": found.seed,
+        "surrogate": {"name": settings.surrogate, "settings": dict(settings.surrogate_settings)},
+        "inputs": [
+            {"name": name, "unit": found.units.get(name, ""), "distribution": str(marginal)}
+            for name, marginal in found.inputs.marginals.items()
+        ],
+        "samples": {"file": str(found.samples.source), "number": found.samples.number},
+        "criteria": [study.document() for study in studies],
+        "versions": versions(),
+    }
+
+
+def _print_study(study: CriterionStudy) -> None:
+    quantity, quality, console = study.output.quantity, study.surrogate.quality, results()
+    console.rule(quantity_label(quantity.name, quantity.unit), align="left")
+    dropped = f", {study.output.failed} failed and {study.output.repeated} repeated left out"
+    console.print(
+        f"{quality.samples} samples{dropped}; error of the surrogate on {quality.held_out} others {quality.generalisation:.2g} of "
+        "the variance"
+    )
+    importances = study.extremes.importances()
+    first = sorted(importances, key=lambda name: -importances[name])
+    table = Table("input", "worst case", "Sobol' total", "one at a time", "mean |effect|", box=None, pad_edge=False)
+    names = study.extremes.factors.names
+    for name in first[:SHOWN]:
+        place = names.index(name)
+        shares = (importances[name], study.sobol.total[place], study.one_at_a_time.importances[place])
+        table.add_row(name, *(f"{share:.1%}" for share in shares), readable(float(study.morris.mean_absolute[place])))
+    console.print(table)
+    for threshold in study.thresholds.thresholds:
+        console.print(study.thresholds.message(threshold))
+        units = {variable.name: variable.unit for variable in study.extremes.factors.space.variables}
+        for factor in threshold.factors:
+            if factor.critical and factor.safe:
+                spans = " or ".join(f"{readable(low)} to {readable(high)}" for low, high in factor.safe)
+                console.print(f"  out of reach with {factor.name} in {spans} {units[factor.name]}".rstrip())

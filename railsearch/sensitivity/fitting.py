@@ -1,0 +1,142 @@
+"""Surrogates of a sensitivity analysis: on random inputs in their own units, with errors from data they have not seen.
+
+| symbol | meaning | shape | unit |
+|---|---|---|---|
+| X, y | samples of the inputs, values of an output | (n, d), (n,) | the caller's |
+| U | F(X), points of the unit cube | (n, d) | - |
+| ε_gen | mean squared error on samples that were held out, over the variance of y | scalar | - |
+| ε_loo | leave-one-out error over the variance of y | scalar | - |
+"""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, cast
+
+import numpy as np
+
+from railsearch.distributions import RandomVector
+from railsearch.errors import InputError
+from railsearch.interfaces import Surrogate, require_methods
+from railsearch.parameters import make_parameters
+from railsearch.plugin_manager import Registry
+from railsearch.projected_gradient import SmoothFunction
+from railsearch.space import FloatArray
+
+Fit = Callable[[FloatArray, FloatArray], SmoothFunction]
+"""Makes a surrogate of samples (n, d) with values (n,)."""
+
+HELD_OUT = 0.2
+"""Share of the samples on which ε_gen is measured: 64 % and 16 % of them train and validate in Shang et al. 2024."""
+
+FEWEST_SAMPLES = 10
+
+
+@dataclass(frozen=True)
+class SurrogateQuality:
+    """How good a surrogate is, and what it costs.
+
+    samples: how many it was fitted to; held_out: how many others ε_gen was measured on, with a fit to the rest of them;
+    leave_one_out: None where the surrogate has none; terms: of an expansion, else None; seconds of the fit, and per value.
+    """
+
+    samples: int
+    held_out: int
+    generalisation: float
+    leave_one_out: float | None
+    terms: int | None
+    fit_seconds: float
+    value_seconds: float
+
+    def document(self) -> dict[str, Any]:
+        """Plain types, ready for JSON."""
+        return asdict(self)
+
+
+@dataclass(frozen=True)
+class FittedSurrogate:
+    """A surrogate of all samples, its quality, and what was predicted (k,) where `true` values (k,) were held out."""
+
+    model: SmoothFunction
+    quality: SurrogateQuality
+    true: FloatArray
+    predicted: FloatArray
+
+
+class OnUnitCube:
+    """A surrogate of the unit cube as one of random inputs: ĝ(F(x)), ∂ĝ/∂x = ∂ĝ/∂u dF/dx."""
+
+    def __init__(self, surrogate: Surrogate, inputs: RandomVector) -> None:
+        self.surrogate = surrogate
+        self._inputs = inputs
+
+    def predict(self, points: FloatArray) -> FloatArray:
+        """Values (k,) at points (k, d) of the inputs."""
+        return self.surrogate.predict(self._inputs.cdf(points))
+
+    def gradient(self, points: FloatArray) -> FloatArray:
+        """Derivatives (k, d) at points (k, d) of the inputs."""
+        densities = [marginal.pdf(points[:, k]) for k, marginal in enumerate(self._inputs.marginals.values())]
+        return np.asarray(self.surrogate.gradient(self._inputs.cdf(points)) * np.column_stack(densities))
+
+
+def surrogate_fit(registry: Registry, name: str, settings: Mapping[str, object], inputs: RandomVector) -> Fit:
+    """What fits the surrogate of that name to samples of random inputs.
+
+    One that knows what to do with distributions gets them (`RandomInputSurrogate`), any other sees F(x) on the unit cube.
+    Raises PluginError and InputError as `Registry.surrogate`, CapabilityError for one without a gradient.
+    """
+    plugin = None if "." in name else registry.get("surrogate", name)
+    made = registry.surrogate(name, inputs.dimension, settings)
+    require_methods(made, name, ["gradient"], "the search for extremes", "choose pce, pck, kriging or rbf")
+
+    def fit(points: FloatArray, values: FloatArray) -> SmoothFunction:
+        if plugin is not None and hasattr(plugin, "for_inputs"):
+            own = cast(
+                Surrogate, plugin.for_inputs(inputs, make_parameters(plugin.Parameters, settings, f"surrogate {name}"))
+            )
+            own.fit(points, values)
+            return own
+        surrogate = registry.surrogate(name, inputs.dimension, settings)
+        surrogate.fit(inputs.cdf(points), values)
+        return OnUnitCube(surrogate, inputs)
+
+    return fit
+
+
+def fitted_surrogate(
+    fit: Fit, points: FloatArray, values: FloatArray, generator: np.random.Generator, share: float = HELD_OUT
+) -> FittedSurrogate:
+    """Fit to all samples, and measure ε_gen on a random `share` of them with a fit to the others.
+
+    Raises InputError for fewer than ten samples, an output that does not vary, and a share that is not inside (0, 1);
+    SurrogateError as the surrogate does.
+    """
+    if len(values) < FEWEST_SAMPLES:
+        raise InputError(f"samples: {FEWEST_SAMPLES} or more are needed, received {len(values)}; evaluate more of them")
+    if not np.ptp(values) > 0.0:
+        raise InputError(f"the output is {values[0]:g} in all {len(values)} samples: there is nothing to explain")
+    if not 0.0 < share < 1.0:
+        raise InputError(f"held out: a share between 0 and 1 is needed, received {share:g}")
+    order = generator.permutation(len(values))
+    held, kept = np.split(order, [max(round(share * len(values)), 2)])
+    predicted = fit(points[kept], values[kept]).predict(points[held])
+    begin = time.perf_counter()
+    model = fit(points, values)
+    fitted = time.perf_counter()
+    model.predict(points)
+    seconds = (time.perf_counter() - fitted) / len(values)
+    error = float(np.mean((values[held] - predicted) ** 2) / np.var(values))
+    own = model.surrogate if isinstance(model, OnUnitCube) else model
+    quality = SurrogateQuality(len(values), len(held), error, _leave_one_out(own), _terms(own), fitted - begin, seconds)
+    return FittedSurrogate(model, quality, values[held], predicted)
+
+
+def _leave_one_out(model: Any) -> float | None:
+    found = getattr(model, "loo_error", None)
+    return None if found is None else float(found)
+
+
+def _terms(model: Any) -> int | None:
+    expansion = getattr(model, "expansion", None)
+    return None if expansion is None else len(expansion.coefficients)
