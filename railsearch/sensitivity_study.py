@@ -84,6 +84,7 @@ class CriterionStudy:
             "meaning": quantity.meaning,
             "samples": {"used": len(self.output.values), "failed": self.output.failed, "repeated": self.output.repeated},
             "surrogate": self.surrogate.quality.document(),
+            "held_out": {"true": self.surrogate.true.tolist(), "predicted": self.surrogate.predicted.tolist()},
             "importances": self.extremes.importances(),
             "extremes": self.extremes.document(),
             "thresholds": self.thresholds.document(),

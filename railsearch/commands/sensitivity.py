@@ -111,8 +111,8 @@ def sensitivity(
 ) -> None:
     """Find out which inputs move the worst response, and which ranges keep a limit state out of reach (A-1AT).
 
-    Samples of the problem are evaluated, or read with --data; a surrogate is fitted to each criterion; every input is held on
-    a grid while all others do their worst. Beside the importances stand Sobol' indices, elementary effects and
+    Samples of the problem are evaluated, or read with --data; a surrogate is fitted to each criterion; every input is held
+    on a grid while all others do their worst. Beside the importances stand Sobol' indices, elementary effects and
     one-at-a-time shares. The same command goes on where it was stopped.
 
         railsearch sensitivity train-track-bridge --samples 3000 --workers 2 --criterion A_s --thresholds 4,5 --seed 1
@@ -148,12 +148,26 @@ def sensitivity(
     document = _document(found, settings, studies)
     make_folder(folder)
     write_whole(folder / "sensitivity.json", json.dumps(document, ensure_ascii=False, allow_nan=False).encode())
+    _draw(folder, document)
     if as_json:
         print_json(document)
         return
     for study in studies:
         _print_study(study)
     results().print(f"seed {found.seed}; everything is in {folder}")
+
+
+def _draw(folder: Path, document: Mapping[str, Any]) -> None:
+    from railsearch.report.figures import write_figures
+    from railsearch.report.sensitivity_figures import sensitivity_figures
+    from railsearch.report.sensitivity_page import write_sensitivity_report
+
+    messages.print("drawing the figures and the report")
+    figures = {criterion["name"]: sensitivity_figures(criterion) for criterion in document["criteria"]}
+    named = {f"{name}-{kind}": figure for name, kinds in figures.items() for kind, figure in kinds.items()}
+    write_figures(folder / "figures", named)
+    write_sensitivity_report(folder / "report.html", document, figures)
+    messages.print(f"wrote {folder / 'report.html'}, {folder / 'figures'}, {folder / 'sensitivity.json'}")
 
 
 def _all_objectives(registry: Registry, name: str) -> str:
@@ -251,8 +265,8 @@ def _print_study(study: CriterionStudy) -> None:
     console.rule(quantity_label(quantity.name, quantity.unit), align="left")
     dropped = f", {study.output.failed} failed and {study.output.repeated} repeated left out"
     console.print(
-        f"{quality.samples} samples{dropped}; error of the surrogate on {quality.held_out} others {quality.generalisation:.2g} of "
-        "the variance"
+        f"{quality.samples} samples{dropped}; error of the surrogate on {quality.held_out} of them, held out, "
+        f"{quality.generalisation:.2g} of the variance"
     )
     importances = study.extremes.importances()
     first = sorted(importances, key=lambda name: -importances[name])
