@@ -146,7 +146,7 @@ class UncertainSurrogate(Surrogate, Protocol):
 class RandomInputSurrogate(Surrogate, Protocol):
     """A surrogate that makes use of the distributions of the inputs where they are known: in a sensitivity analysis.
 
-    One without `for_inputs` is made there on the unit cube of F(x), like in a search.
+    One without `for_inputs` is made there on the unit cube, like in a search, which is the box of the samples.
     """
 
     @classmethod

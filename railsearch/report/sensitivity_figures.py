@@ -107,8 +107,8 @@ def threshold_figure(criterion: Document) -> Figure:
     figure.legend(handles, values, loc="outside lower center", ncols=min(len(values), 5), fontsize=8, frameon=False)
     figure.set_label(
         f"The {criterion['name']} that comes nearest to each threshold with the input held at a value: on the threshold "
-        "where it can be reached, beside it where it cannot. Shaded: ranges of the input that keep the limit state out of reach "
-        "whatever the others are."
+        "where it can be reached, beside it where it cannot. Shaded: ranges of the input that keep the limit state out of "
+        "reach whatever the others are."
     )
     return figure
 

@@ -3,7 +3,7 @@
 | symbol | meaning | shape | unit |
 |---|---|---|---|
 | X, y | samples of the inputs, values of an output | (n, d), (n,) | the caller's |
-| U | F(X), points of the unit cube | (n, d) | - |
+| U | (X − X_min)/(X_max − X_min), points of the unit cube | (n, d) | - |
 | ε_gen | mean squared error on samples that were held out, over the variance of y | scalar | - |
 | ε_loo | leave-one-out error over the variance of y | scalar | - |
 """
@@ -63,27 +63,34 @@ class FittedSurrogate:
     predicted: FloatArray
 
 
-class OnUnitCube:
-    """A surrogate of the unit cube as one of random inputs: ĝ(F(x)), ∂ĝ/∂x = ∂ĝ/∂u dF/dx."""
+class OnSampledBox:
+    """A surrogate of the unit cube as one of the box that the samples (n, d) span, in their own units.
 
-    def __init__(self, surrogate: Surrogate, inputs: RandomVector) -> None:
+    Not of F(x), in which a smooth function has infinite slopes where an unbounded input has its tails.
+    """
+
+    def __init__(self, surrogate: Surrogate, points: FloatArray, values: FloatArray) -> None:
         self.surrogate = surrogate
-        self._inputs = inputs
+        self._lower = points.min(axis=0)
+        self._width = np.maximum(np.ptp(points, axis=0), np.finfo(float).tiny)
+        surrogate.fit(self._unit(points), values)
 
     def predict(self, points: FloatArray) -> FloatArray:
         """Values (k,) at points (k, d) of the inputs."""
-        return self.surrogate.predict(self._inputs.cdf(points))
+        return self.surrogate.predict(self._unit(points))
 
     def gradient(self, points: FloatArray) -> FloatArray:
         """Derivatives (k, d) at points (k, d) of the inputs."""
-        densities = [marginal.pdf(points[:, k]) for k, marginal in enumerate(self._inputs.marginals.values())]
-        return np.asarray(self.surrogate.gradient(self._inputs.cdf(points)) * np.column_stack(densities))
+        return np.asarray(self.surrogate.gradient(self._unit(points)) / self._width)
+
+    def _unit(self, points: FloatArray) -> FloatArray:
+        return np.asarray((points - self._lower) / self._width)
 
 
 def surrogate_fit(registry: Registry, name: str, settings: Mapping[str, object], inputs: RandomVector) -> Fit:
     """What fits the surrogate of that name to samples of random inputs.
 
-    One that knows what to do with distributions gets them (`RandomInputSurrogate`), any other sees F(x) on the unit cube.
+    One that knows what to do with distributions gets them (`RandomInputSurrogate`), any other the box of the samples.
     Raises PluginError and InputError as `Registry.surrogate`, CapabilityError for one without a gradient.
     """
     plugin = None if "." in name else registry.get("surrogate", name)
@@ -97,9 +104,7 @@ def surrogate_fit(registry: Registry, name: str, settings: Mapping[str, object],
             )
             own.fit(points, values)
             return own
-        surrogate = registry.surrogate(name, inputs.dimension, settings)
-        surrogate.fit(inputs.cdf(points), values)
-        return OnUnitCube(surrogate, inputs)
+        return OnSampledBox(registry.surrogate(name, inputs.dimension, settings), points, values)
 
     return fit
 
@@ -127,7 +132,7 @@ def fitted_surrogate(
     model.predict(points)
     seconds = (time.perf_counter() - fitted) / len(values)
     error = float(np.mean((values[held] - predicted) ** 2) / np.var(values))
-    own = model.surrogate if isinstance(model, OnUnitCube) else model
+    own = model.surrogate if isinstance(model, OnSampledBox) else model
     quality = SurrogateQuality(len(values), len(held), error, _leave_one_out(own), _terms(own), fitted - begin, seconds)
     return FittedSurrogate(model, quality, values[held], predicted)
 
