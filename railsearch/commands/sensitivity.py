@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,7 +10,6 @@ from rich.table import Table
 
 from railsearch.commands.options import (
     AsJson,
-    Asked,
     Assignments,
     Parameters,
     asked_problem,
@@ -22,44 +20,24 @@ from railsearch.commands.options import (
     results,
 )
 from railsearch.commands.sampling import sampled_into
-from railsearch.design_problem import DesignProblem
-from railsearch.distributions import INDEPENDENT, RandomVector, random_vector
 from railsearch.errors import InputError
-from railsearch.interfaces import Quantity
 from railsearch.plugin_manager import Registry, load_plugins
-from railsearch.result import quantities, versions
 from railsearch.run_directory import make_folder, write_whole
-from railsearch.samples import ExperimentDesign, Samples, input_distributions, read_samples
+from railsearch.samples import ExperimentDesign
 from railsearch.seeding import checked_seed
 from railsearch.sensitivity.thresholds import LIMITS, UPPER
 from railsearch.sensitivity_study import (
-    FORMAT,
     CriterionStudy,
-    SampledOutput,
     StudySettings,
-    check_independent,
-    sampled_output,
+    own_data,
+    problem_data,
+    study_document,
     study_samples,
 )
 from railsearch.simulation import simulators
-from railsearch.site import read_toml
 from railsearch.wording import quantity_label, readable
 
 SHOWN = 6
-
-
-@dataclass(frozen=True)
-class Data:
-    """What is analysed: random inputs with units, samples, and the outputs that may be asked for."""
-
-    name: str
-    inputs: RandomVector
-    units: Mapping[str, str]
-    ranges: Mapping[str, Sequence[float]]
-    samples: Samples
-    outputs: Mapping[str, Quantity]
-    default: tuple[str, ...]
-    seed: int
 
 
 def sensitivity(
@@ -122,30 +100,33 @@ def sensitivity(
 
         railsearch sensitivity --data measured.csv --distributions inputs.toml --criterion deflection
     """
-    registry = load_plugins()
-    folder = out or Path(f"{name or (data.stem if data else 'data')}-sensitivity")
-    if name is None:
-        found = _own_data(data, distributions, seed)
+    registry, folder = load_plugins(), out or Path(f"{name or (data.stem if data else 'data')}-sensitivity")
+    if name is None and data is not None and distributions is not None:
+        found = own_data(data, distributions)
+    elif name is None:
+        raise InputError("a problem is needed, or --data with --distributions; `railsearch list problem` has the problems")
+    elif distributions is not None:
+        raise InputError("--distributions: they belong to data of your own; those of a problem are in its site file")
     else:
         asked = asked_problem(registry, name, parameters, _all_objectives(registry, name), assigned=assigned)
-        if distributions is not None:
-            raise InputError("--distributions: they belong to data of your own; those of a problem are in its site file")
-        found = _problem_data(registry, asked, (design, number, seed), data, folder, (timeout, workers))
+        if data is None:
+            data, wanted = folder / "samples.parquet", (design, number, seed)
+            experiment, _ = sampled_into(data, registry, asked, wanted, simulators(asked.problem, timeout, workers))
+            seed = experiment.seed
+        found = problem_data(asked.problem, data)
     chosen = tuple(part.strip() for part in criteria.split(",") if part.strip()) or found.default
     settings = StudySettings(
+        chosen,
         _thresholds(thresholds, chosen),
         points,
         surrogate,
         assignments(surrogate_set),
         level,
-        found.ranges,
         limit,
-        found.seed,
+        checked_seed(seed),
     )
-    check_independent(found.inputs, found.samples.input_matrix(found.inputs.names))
-    outputs = [_output(found, criterion) for criterion in chosen]
-    studies = study_samples(registry, found.inputs, found.units, outputs, settings, messages.print)
-    document = _document(found, settings, studies)
+    studies = study_samples(registry, found, settings, messages.print)
+    document = study_document(found, settings, studies, command_line())
     make_folder(folder)
     write_whole(folder / "sensitivity.json", json.dumps(document, ensure_ascii=False, allow_nan=False).encode())
     _draw(folder, document)
@@ -154,7 +135,7 @@ def sensitivity(
         return
     for study in studies:
         _print_study(study)
-    results().print(f"seed {found.seed}; everything is in {folder}")
+    results().print(f"seed {settings.seed}; everything is in {folder}")
 
 
 def _draw(folder: Path, document: Mapping[str, Any]) -> None:
@@ -174,56 +155,6 @@ def _all_objectives(registry: Registry, name: str) -> str:
     return ",".join(quantity.name for quantity in registry.get("problem", name).available_objectives)
 
 
-def _problem_data(
-    registry: Registry,
-    asked: Asked,
-    wanted: tuple[ExperimentDesign, int, int | None],
-    data: Path | None,
-    folder: Path,
-    running: tuple[float | None, int],
-) -> Data:
-    problem, seed = asked.problem, wanted[2]
-    if data is None:
-        data = folder / "samples.parquet"
-        experiment, _ = sampled_into(data, registry, asked, wanted, simulators(problem, *running))
-        seed = experiment.seed
-    inputs = input_distributions(problem)
-    samples = read_samples(data, inputs.names)
-    return Data(
-        problem.name,
-        inputs,
-        {variable.name: variable.unit for variable in problem.space.variables},
-        _bounds(problem),
-        samples,
-        {quantity.name: quantity for quantity in quantities(problem)},
-        tuple(objective.name for objective in problem.objectives),
-        checked_seed(seed),
-    )
-
-
-def _bounds(problem: DesignProblem) -> dict[str, tuple[float, float]]:
-    """The bounds of a search, which are the ranges of the inputs."""
-    return {variable.name: (variable.lower, variable.upper) for variable in problem.space.variables}
-
-
-def _own_data(data: Path | None, distributions: Path | None, seed: int | None) -> Data:
-    if data is None or distributions is None:
-        raise InputError("a problem is needed, or --data with --distributions; `railsearch list problem` has the problems")
-    stated = read_toml(distributions)
-    tables, ranges = stated.pop("distributions", None), stated.pop("ranges", {})
-    if "correlation" in stated:
-        raise InputError(f"{distributions}: correlation: {INDEPENDENT}")
-    if stated or not isinstance(tables, dict) or not tables or not all(isinstance(table, dict) for table in tables.values()):
-        unknown = f"; unknown: {', '.join(stated)}" if stated else ""
-        raise InputError(f"{distributions}: tables [distributions.INPUT], and [ranges] if wanted, are needed{unknown}")
-    units = {name: str(table.pop("unit", "")) for name, table in tables.items()}
-    inputs = random_vector(tables, where=f"{distributions}: distributions")
-    samples = read_samples(data, inputs.names)
-    units = {name: units[name] or samples.input_units.get(name, "") for name in inputs.names}
-    outputs = {name: Quantity(name, samples.output_units.get(name, "")) for name in samples.outputs}
-    return Data(data.name, inputs, units, ranges, samples, outputs, tuple(outputs), checked_seed(seed))
-
-
 def _thresholds(text: str, criteria: Sequence[str]) -> dict[str, list[float]]:
     if not text.strip():
         return {}
@@ -235,29 +166,6 @@ def _thresholds(text: str, criteria: Sequence[str]) -> dict[str, list[float]]:
         return {criteria[0]: [float(part) for part in text.split(",")]}
     except ValueError:
         raise InputError(f"--thresholds: numbers with commas between them are needed, received {text!r}") from None
-
-
-def _output(found: Data, name: str) -> SampledOutput:
-    if name not in found.outputs:
-        raise InputError(f"--criterion: unknown '{name}'; there are {', '.join(found.outputs)}")
-    return sampled_output(found.outputs[name], found.samples.input_matrix(found.inputs.names), found.samples.output(name))
-
-
-def _document(found: Data, settings: StudySettings, studies: Sequence[CriterionStudy]) -> dict[str, Any]:
-    return {
-        "format": FORMAT,
-        "command": command_line(),
-        "of": found.name,
-        "seed": found.seed,
-        "surrogate": {"name": settings.surrogate, "settings": dict(settings.surrogate_settings)},
-        "inputs": [
-            {"name": name, "unit": found.units.get(name, ""), "distribution": str(marginal)}
-            for name, marginal in found.inputs.marginals.items()
-        ],
-        "samples": {"file": str(found.samples.source), "number": found.samples.number},
-        "criteria": [study.document() for study in studies],
-        "versions": versions(),
-    }
 
 
 def _print_study(study: CriterionStudy) -> None:

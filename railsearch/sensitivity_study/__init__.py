@@ -1,0 +1,31 @@
+"""A whole sensitivity analysis: samples, surrogates, extremes, thresholds, and the classical measures beside them."""
+
+from railsearch.sensitivity_study.data import (
+    SampledOutput,
+    StudyData,
+    check_independent,
+    own_data,
+    problem_data,
+    sampled_output,
+)
+from railsearch.sensitivity_study.study import (
+    FORMAT,
+    CriterionStudy,
+    StudySettings,
+    study_document,
+    study_samples,
+)
+
+__all__ = [
+    "FORMAT",
+    "CriterionStudy",
+    "SampledOutput",
+    "StudyData",
+    "StudySettings",
+    "check_independent",
+    "own_data",
+    "problem_data",
+    "sampled_output",
+    "study_document",
+    "study_samples",
+]
