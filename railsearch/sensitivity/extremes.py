@@ -31,6 +31,9 @@ MAXIMUM, MINIMUM = SENSES = ("maximum", "minimum")
 SIGNS: Mapping[str, float] = {MAXIMUM: -1.0, MINIMUM: 1.0}
 """What the output is multiplied by to be minimised."""
 
+FLAT = 1e-7
+"""A curve with a standard deviation below this fraction of the output's range is as flat as extremes are exact."""
+
 OUTPUT = Quantity("g", meaning="output of the model")
 
 
@@ -97,12 +100,15 @@ class ExtremeSurfaces:
         return {name: weighted_variance(curve.values, shares) for name, curve, shares in found}
 
     def importances(self, sense: str = MAXIMUM, weighted: bool = True) -> dict[str, float]:
-        """I_i by factor, 0 for all where no curve varies. Raises InputError as `surface`."""
+        """I_i by factor, 0 for all where no curve varies by more than rounding. Raises InputError as `surface`."""
         variances = self.variances(sense, weighted)
-        return dict(zip(variances, map(float, shares(np.array(list(variances.values())))), strict=True))
+        values = np.concatenate([curve.values for curves in self.curves.values() for curve in curves])
+        rounding = (FLAT * float(np.nanmax(values) - np.nanmin(values))) ** 2 if np.isfinite(values).any() else 0.0
+        found = np.array(list(variances.values()))
+        return dict(zip(variances, map(float, shares(np.where(found > rounding, found, 0.0))), strict=True))
 
     def local_sensitivity(self, name: str, sense: str = MAXIMUM) -> FloatArray:
-        """dȲ_i/dx_i (n_i,) at the grid values, unit of the output over that of the factor. Raises InputError as `surface`."""
+        """dȲ_i/dx_i (n_i,) at the grid values. Unit: the output's over the factor's. Raises InputError as `surface`."""
         return local_sensitivity(self.factors.grids[self.factors.index(name)], self.surface(name, sense).values)
 
     def document(self) -> dict[str, Any]:
