@@ -26,7 +26,7 @@ def test_the_stated_optimum_is_attained_and_nothing_is_lower():
 
 def test_it_has_six_local_minima():
     problem, found = SixHumpCamel(), []
-    for start in itertools.product(np.linspace(-1.9, 1.9, 9), np.linspace(-0.9, 0.9, 7)):
+    for start in itertools.product(np.linspace(-1.9, 1.9, 8), np.linspace(-0.9, 0.9, 6)):
         ended = minimize(lambda x: camel_values([x])[0], start, method="BFGS", tol=1e-10).x
         if np.all(np.abs(ended) <= problem.space.upper) and all(np.linalg.norm(ended - other) > 1e-3 for other in found):
             found.append(ended)

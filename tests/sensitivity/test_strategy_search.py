@@ -7,7 +7,15 @@ from railsearch.design_problem import DesignProblem
 from railsearch.errors import InputError, PluginError
 from railsearch.interfaces import Outcome, Quantity
 from railsearch.plugin_manager import load_plugins
-from railsearch.sensitivity import ProblemFunction, StrategySettings, factors_on, strategy_surfaces, threshold_surfaces
+from railsearch.sensitivity import (
+    ExactModel,
+    ProblemFunction,
+    StrategySettings,
+    extreme_surfaces,
+    factors_on,
+    strategy_surfaces,
+    threshold_surfaces,
+)
 from railsearch.space import Space, Variable
 from railsearch_problems.six_hump_camel import SixHumpCamel, camel_values
 
@@ -36,19 +44,22 @@ def found(problem, name, points=3, strategy="random", budget=30, **more):
     )
 
 
-def test_a_strategy_comes_to_the_extremes_and_counts_its_evaluations():
-    surfaces = found(SixHumpCamel(), "f", points=5, strategy="sobol", budget=64)
-    exact = found(SixHumpCamel(), "f", points=5, strategy="sobol", budget=400)
-    assert (surfaces.effort.asked, exact.effort.asked) == (2 * 10 * 64, 2 * 10 * 400)
+def test_a_strategy_comes_near_the_extremes_and_counts_its_evaluations():
+    """128 Sobol' points of one variable lie at most 1/64 of its range from the extreme; the other one's slope is at most 57."""
+    camel = SixHumpCamel()
+    surfaces = found(camel, "f", points=4, strategy="sobol", budget=128)
+    factors = surfaces.factors
+    exact = extreme_surfaces(ExactModel(camel_values, camel.space), factors, np.random.default_rng(0))
+    assert surfaces.effort.asked == 2 * 8 * 128
     assert surfaces.effort.exact
     assert surfaces.effort.solver == "strategy sobol"
-    for name in ("x1", "x2"):
+    for name in factors.names:
         for sense, sign in (("maximum", -1.0), ("minimum", 1.0)):
-            near, nearer = (sign * one.surface(name, sense).values for one in (surfaces, exact))
-            np.testing.assert_allclose(near, nearer, atol=0.3)
-            points = exact.surface(name, sense).points
-            np.testing.assert_allclose(sign * camel_values(points), nearer)
-    assert surfaces.importances("minimum") == pytest.approx(exact.importances("minimum"), abs=0.1)
+            behind = sign * (surfaces.surface(name, sense).values - exact.surface(name, sense).values)
+            assert np.all((behind > -1e-8) & (behind < 1.0))
+            points = surfaces.surface(name, sense).points
+            np.testing.assert_allclose(camel_values(points), surfaces.surface(name, sense).values)
+            np.testing.assert_array_equal(points[:, factors.index(name)], factors.grids[factors.index(name)])
 
 
 def test_natural_signs_whole_numbers_and_metrics():
