@@ -3,9 +3,9 @@
     python benchmarks/sensitivity.py [--factors 16] [--points 100] [--terms 400] [--repeats 3] [--thorough]
 
 All inner problems (factors × points, maximum and minimum) and three thresholds: on an expansion of the truss of 23 bars
-fitted to 400 points, and on expansions with random terms of degree 9 and norm 0.5 over uniform inputs, whose coefficients fall as
-(1 + degree)^−decay. These have far more local optima than a structure's response. `--thorough` compares with a search with
-more starts, exchanges and samples. Times are those of the processor.
+fitted to 400 points, and on expansions with random terms of degree 9 and norm 0.5 over uniform inputs, whose coefficients
+fall as (1 + degree)^−decay. These have far more local optima than a structure's response. `--thorough` compares with one
+that has more starts, exchanges and samples. Times are those of the processor.
 """
 
 import argparse

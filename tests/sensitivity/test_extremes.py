@@ -15,6 +15,9 @@ from railsearch.sensitivity import (
     extreme_surfaces,
     factors_on,
 )
+from railsearch.sensitivity.inner_problems import InnerProblems
+from railsearch.sensitivity.inner_search import Extreme, InnerSearch
+from railsearch.sensitivity.models import BoxModel
 from railsearch.space import Space, Variable
 
 FOUR = box((0.0, 2.0), (-1.0, 1.0), (1.0, 4.0), (-3.0, -1.0))
@@ -105,27 +108,97 @@ def test_the_global_check_rescues_a_bad_start():
     assert checked.effort.check.rounds > 1, "after a rescue another sample is drawn"
 
 
+def narrow_peak(place, height=1.0):
+    """height exp(−800 (x_last − place)²) + 0.01 x1, which no descent finds from afar."""
+
+    def peak(x):
+        return height * np.exp(-800.0 * (x[:, -1] - place) ** 2)
+
+    def slopes(x):
+        found = np.zeros_like(x)
+        found[:, 0], found[:, -1] = 0.01, -1600.0 * (x[:, -1] - place) * peak(x)
+        return found
+
+    return Differentiable(lambda x: peak(x) + 0.01 * x[:, 0], slopes)
+
+
+def begun(model, space, settings, start):
+    """A search for the maximum on 9 grid values, begun from points (R, k, d) that `start` makes of those at 0.1."""
+    factors = factors_on(space, 9)
+    problems = InnerProblems(factors)
+    search = InnerSearch(BoxModel(model, factors.space), Extreme(-1.0), problems, settings, 1.0)
+    sample = problems.held(np.full((problems.number, space.dimension), 0.1), np.arange(problems.number))[:, None]
+    sample = start(sample)
+    search.begin(sample, model.predict(sample.reshape(-1, space.dimension)).reshape(sample.shape[:2]))
+    return factors, search
+
+
 def test_travelling_takes_a_solution_along_the_whole_curve():
     """One problem is given the narrow peak; all others reach it from there, none of them by itself."""
-    from railsearch.sensitivity.inner_problems import InnerProblems
-    from railsearch.sensitivity.inner_search import Extreme, InnerSearch
-    from railsearch.sensitivity.models import BoxModel
 
-    model = Differentiable(
-        lambda x: np.exp(-800.0 * (x[:, 1] - 0.7) ** 2) + 0.01 * x[:, 0],
-        lambda x: np.column_stack(
-            [np.full(len(x), 0.01), -1600.0 * (x[:, 1] - 0.7) * np.exp(-800.0 * (x[:, 1] - 0.7) ** 2)]
-        ),
-    )
-    factors = factors_on(box((0.0, 1.0), (0.0, 1.0)), 9)
-    problems = InnerProblems(factors)
-    settings = SearchSettings(exchanges=0)
-    search = InnerSearch(BoxModel(model, factors.space), Extreme(-1.0), problems, settings, 1.0)
-    sample = problems.held(np.full((problems.number, 2), 0.1), np.arange(problems.number))[:, None]
-    sample[4, 0, 1] = 0.69
-    search.begin(sample, model.predict(sample.reshape(-1, 2)).reshape(-1, 1))
+    def start(sample):
+        sample[4, 0, 1] = 0.69
+        return sample
+
+    square = box((0.0, 1.0), (0.0, 1.0))
+    factors, search = begun(narrow_peak(0.7), square, SearchSettings(exchanges=0), start)
     np.testing.assert_allclose(-search.merits[:9], 1.0 + 0.01 * factors.grids[0], atol=1e-6)
     assert search.settled
+    _, stopped = begun(narrow_peak(0.7), square, SearchSettings(exchanges=0, sweeps=2), start)
+    assert np.flatnonzero(stopped.merits[:9] < -0.9).tolist() == [2, 3, 4, 5, 6], "two grid values on either side"
+    assert not stopped.settled
+
+
+def test_an_exchange_takes_a_solution_to_the_curves_of_other_factors():
+    """One problem with x1 held is given the peak in x3; those with x2 held get it from there, without travelling."""
+
+    def start(sample):
+        sample[4, 0, 2] = 0.69
+        return sample
+
+    cube = box((0.0, 1.0), (0.0, 1.0), (0.0, 1.0))
+    for exchanges, reached in ((0, 1), (1, 18)):
+        settings = SearchSettings(exchanges=exchanges, sweeps=0)
+        _, search = begun(narrow_peak(0.7), cube, settings, start)
+        assert np.sum(search.merits[:18] < -0.9) == reached
+
+
+def test_of_several_starts_the_best_end_counts():
+    """Two starts end in peaks of heights 1 and 2, in either order of their sampled values."""
+    low, high = narrow_peak(0.2), narrow_peak(0.8, 2.0)
+    model = Differentiable(lambda x: low.function(x) + high.function(x), lambda x: low.slopes(x) + high.slopes(x))
+    for near_low, near_high in ((0.2, 0.75), (0.23, 0.8)):
+        settings = SearchSettings(starts=2, sample=2, exchanges=0, sweeps=0)
+
+        def start(sample, near_low=near_low, near_high=near_high):
+            both = np.repeat(sample, 2, axis=1)
+            both[:9, 0, 1], both[:9, 1, 1] = near_low, near_high
+            return both
+
+        factors, search = begun(model, box((0.0, 1.0), (0.0, 1.0)), settings, start)
+        np.testing.assert_allclose(-search.merits[:9], 2.0 + 0.02 * factors.grids[0], atol=1e-6)
+
+
+def test_points_hold_exactly_the_grid_values_however_they_are_rounded():
+    space = box((0.1, 0.7), (1.3e11, 2.9e11), (-1.0 / 3.0, 1.0 / 7.0))
+    factors = factors_on(space, 40)
+    surfaces = found(linear([1.0, 1e-11, 1.0]), factors)
+    there_and_back = space.from_unit(space.to_unit(np.column_stack(factors.grids)))
+    assert not np.array_equal(there_and_back, np.column_stack(factors.grids)), "rounding would show"
+    for place, name in enumerate(factors.names):
+        np.testing.assert_array_equal(surfaces.surface(name).points[:, place], factors.grids[place])
+
+
+def test_slopes_on_the_unit_box_are_those_of_its_coordinates():
+    model = BoxModel(waves(), FOUR)
+    points = np.random.default_rng(3).uniform(0.1, 0.9, (5, 4))
+    values, slopes = model.predict_with_gradient(points)
+    np.testing.assert_array_equal(values, model.predict(points))
+    for k in range(4):
+        step = 1e-6 * np.eye(4)[k]
+        numeric = (model.predict(points + step) - model.predict(points - step)) / 2e-6
+        np.testing.assert_allclose(slopes[:, k], numeric, atol=1e-6)
+    assert model.asked == 5 * 10
 
 
 def test_no_point_of_another_sample_is_more_extreme():

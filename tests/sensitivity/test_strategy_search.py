@@ -45,7 +45,7 @@ def found(problem, name, points=3, strategy="random", budget=30, **more):
 
 
 def test_a_strategy_comes_near_the_extremes_and_counts_its_evaluations():
-    """128 Sobol' points of one variable lie at most 1/64 of its range from the extreme; the other one's slope is at most 57."""
+    """128 Sobol' points of one variable lie within 1/64 of its range of the extreme; slopes are at most 57."""
     camel = SixHumpCamel()
     surfaces = found(camel, "f", points=4, strategy="sobol", budget=128)
     factors = surfaces.factors
