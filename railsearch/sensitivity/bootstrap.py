@@ -82,7 +82,7 @@ def importances_over_designs(
     found, failures = [], {}
     for number, (points, values) in enumerate(prepared, 1):
         try:
-            surfaces = extreme_surfaces(fit(points, values), factors, generator, settings)
+            surfaces = extreme_surfaces(fit(points, values), factors, generator, settings, senses=[sense])
             found.append(list(surfaces.importances(sense).values()))
         except Exception as error:  # noqa: BLE001 - whatever a surrogate raises is a failed refit
             failures[number] = f"{type(error).__name__}: {error}"

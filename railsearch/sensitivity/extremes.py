@@ -10,7 +10,7 @@
 Source: Shang, Nogal, Teixeira & Wolfert 2024, Reliability Engineering & System Safety 243, 109818.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -156,20 +156,23 @@ def extreme_surfaces(
     generator: np.random.Generator,
     settings: SearchSettings | None = None,
     output: Quantity = OUTPUT,
+    senses: Sequence[str] = SENSES,
 ) -> ExtremeSurfaces:
     """Find Ȳ_i(x_ij) = max and min of g(x) with X_i = x_ij, for all factors and grid values at once.
 
     model: a surrogate (`predict` and `gradient` at points (k, d) in the factors' own units), or an `ExactModel`; generator:
-    draws the samples of starts and of the global check; settings: how much work it may be; output: name and unit of g.
-    Raises InputError for integer factors, SurrogateError where a surrogate is not finite, SimulationError if all evaluations
+    draws the samples of starts and of the global check; settings: how much work it may be; output: name and unit of g;
+    senses: which extremes; thresholds need both.
+    Raises InputError for integer factors and no or other extremes, SurrogateError where a surrogate is not finite, SimulationError if all evaluations
     of the first sample failed. Source: Shang et al. 2024; spectral projected gradients: Birgin, Martínez & Raydan 2000.
     """
+    check_senses(senses)
     chosen, asker = settings or SearchSettings(), Asker(model, factors)
     problems = InnerProblems(factors)
-    goals = [Extreme(SIGNS[sense]) for sense in SENSES]
+    goals = [Extreme(SIGNS[sense]) for sense in senses]
     searches, check = solved(asker.box, problems, goals, chosen, generator)
     curves = {
-        sense: _curves(factors, problems, SIGNS[sense], search) for sense, search in zip(SENSES, searches, strict=True)
+        sense: _curves(factors, problems, SIGNS[sense], search) for sense, search in zip(senses, searches, strict=True)
     }
     return ExtremeSurfaces(factors, output, curves, asker.effort(check if chosen.check else None))
 
@@ -202,6 +205,14 @@ def check_sense(sense: str) -> None:
     """Raise InputError for anything but `maximum` and `minimum`."""
     if sense not in SENSES:
         raise InputError(f"extreme: {' or '.join(SENSES)} is needed, received {sense!r}")
+
+
+def check_senses(senses: Sequence[str]) -> None:
+    """Raise InputError for no extremes, and for one that is neither `maximum` nor `minimum`."""
+    if not senses:
+        raise InputError(f"extremes: one or both of {' and '.join(SENSES)} are needed, received none")
+    for sense in senses:
+        check_sense(sense)
 
 
 def _curves(factors: Factors, problems: InnerProblems, sign: float, search: InnerSearch) -> tuple[Curve, ...]:

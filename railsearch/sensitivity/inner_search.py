@@ -199,11 +199,9 @@ class InnerSearch:
         mixtures = np.where(kept, self.points[:, None, :], sample)
         mixed = self._objective.predict(mixtures.reshape(-1, sample.shape[-1])).reshape(values.shape)
         merits = np.concatenate([self._objective.merits(values), mixed], axis=1)
-        rows, starts = _lowest(np.concatenate([sample, mixtures], axis=1), merits, 1)
-        lowest = merits.min(axis=1)
-        better = lowest < self.merits
-        significant = int(np.sum(lowest < self.merits - SIGNIFICANT * self._spread))
-        self._travel(self._improve(rows[better], starts[better]))
+        significant = int(np.sum(merits.min(axis=1) < self.merits - SIGNIFICANT * self._spread))
+        merits[merits >= self.merits[:, None]] = np.inf
+        self._travel(self._improve(*_lowest(np.concatenate([sample, mixtures], axis=1), merits, 1)))
         return merits.size, significant
 
     def _exchange(self) -> None:
@@ -291,14 +289,14 @@ def _checked(
 
 
 def _lowest(points: FloatArray, merits: FloatArray, count: int) -> tuple[Rows, FloatArray]:
-    """The `count` points of lowest φ of every problem, from points (R, k, d) with φ (R, k): problems and points.
+    """The `count` points of lowest φ of every problem, none with an infinite φ: problems (m,) and points (m, d).
 
-    Those with an infinite φ are left out where there are others.
+    They are chosen from points (R, k, d) with φ (R, k).
     """
     chosen = np.argsort(merits, axis=1, kind="stable")[:, :count]
-    rows = np.repeat(np.arange(len(merits)), chosen.shape[1])
-    finite = np.isfinite(merits[rows, chosen.ravel()]) | (np.tile(np.arange(chosen.shape[1]), len(merits)) == 0)
-    return rows[finite], points[rows[finite], chosen.ravel()[finite]]
+    rows, places = np.repeat(np.arange(len(merits)), chosen.shape[1]), chosen.ravel()
+    finite = np.isfinite(merits[rows, places])
+    return rows[finite], points[rows[finite], places[finite]]
 
 
 def _sampled(

@@ -18,7 +18,7 @@ from railsearch.seeding import checked_seed
 from railsearch.simulation import check_timeout
 from railsearch.space import FloatArray, Space
 
-from .extremes import MAXIMUM, SENSES, SIGNS, Curve, Effort, ExtremeSurfaces, check_sense
+from .extremes import MAXIMUM, SENSES, SIGNS, Curve, Effort, ExtremeSurfaces, check_senses
 from .factors import Factors
 from .models import natural_value, quantity_of
 
@@ -50,10 +50,7 @@ class StrategySettings:
     def __post_init__(self) -> None:
         RunSettings(self.strategy, self.budget, checked_seed(self.seed), self.strategy_settings, timeout=self.timeout)
         check_timeout(self.timeout)
-        if not self.senses:
-            raise InputError(f"senses: one or both of {' and '.join(SENSES)} are needed, received none")
-        for sense in self.senses:
-            check_sense(sense)
+        check_senses(self.senses)
 
 
 class HeldProblem(DesignProblem):

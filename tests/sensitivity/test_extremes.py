@@ -236,6 +236,20 @@ def test_importances_do_not_depend_on_order_output_scale_or_input_units():
         assert rescaled == pytest.approx(expected, abs=1e-6)
 
 
+def test_one_extreme_alone_is_cheaper_and_the_same():
+    both, one = linear(np.ones(4)), linear(np.ones(4))
+    whole = found(both, factors_on(FOUR, 5))
+    half = extreme_surfaces(one, factors_on(FOUR, 5), np.random.default_rng(0), senses=["minimum"])
+    assert half.senses == ("minimum",)
+    assert half.importances("minimum") == pytest.approx(whole.importances("minimum"))
+    assert one.asked < both.asked
+    with pytest.raises(InputError, match="only the minimum was looked for"):
+        half.importances("maximum")
+    for senses, message in (((), "none"), (("largest",), "maximum or minimum")):
+        with pytest.raises(InputError, match=message):
+            extreme_surfaces(one, factors_on(FOUR, 5), np.random.default_rng(0), senses=senses)
+
+
 def test_the_same_seed_gives_the_same_bits_and_another_one_the_same_numbers():
     factors = factors_on(box(*[(-np.pi, np.pi)] * 3), 10)
     first, again, other = (found(waves(4.0), factors, seed) for seed in (1, 1, 2))
