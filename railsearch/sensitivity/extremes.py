@@ -162,9 +162,9 @@ def extreme_surfaces(
 
     model: a surrogate (`predict` and `gradient` at points (k, d) in the factors' own units), or an `ExactModel`; generator:
     draws the samples of starts and of the global check; settings: how much work it may be; output: name and unit of g;
-    senses: which extremes; thresholds need both.
-    Raises InputError for integer factors and no or other extremes, SurrogateError where a surrogate is not finite, SimulationError if all evaluations
-    of the first sample failed. Source: Shang et al. 2024; spectral projected gradients: Birgin, Martínez & Raydan 2000.
+    senses: which extremes; thresholds need both. Raises InputError for integer factors and for no or other extremes,
+    SurrogateError where a surrogate is not finite, SimulationError if all evaluations of the first sample failed.
+    Source: Shang et al. 2024; spectral projected gradients: Birgin, Martínez & Raydan 2000.
     """
     check_senses(senses)
     chosen, asker = settings or SearchSettings(), Asker(model, factors)
