@@ -14,6 +14,7 @@ from railsearch.sensitivity.factors import EQUAL, LOGARITHMIC, RANDOM, SPACINGS,
 from railsearch.sensitivity.inner_search import FRUGAL, GlobalCheck, SearchSettings
 from railsearch.sensitivity.models import ExactModel, ProblemFunction
 from railsearch.sensitivity.strategy_search import StrategySettings, strategy_surfaces
+from railsearch.sensitivity.surrogates import CubeSurrogate, input_surrogate
 from railsearch.sensitivity.thresholds import (
     FactorThreshold,
     Threshold,
@@ -32,6 +33,7 @@ __all__ = [
     "RANDOM",
     "SENSES",
     "SPACINGS",
+    "CubeSurrogate",
     "Curve",
     "Effort",
     "ExactModel",
@@ -51,6 +53,7 @@ __all__ = [
     "factors_on",
     "importances_over_designs",
     "input_space",
+    "input_surrogate",
     "margin",
     "strategy_surfaces",
     "threshold_surfaces",
