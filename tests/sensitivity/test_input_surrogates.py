@@ -24,16 +24,16 @@ def truth(points):
 
 @pytest.mark.parametrize("name", ["pce", "kriging", "rbf"])
 def test_slopes_and_extremes_in_the_inputs_own_units(name):
-    points = latin_hypercube(INPUTS, 60, np.random.default_rng(0))
+    points = latin_hypercube(INPUTS, 150, np.random.default_rng(0))
     surrogate = input_surrogate(REGISTRY, name, INPUTS)
     surrogate.fit(points, truth(points))
     inner = INPUTS.from_uniform(np.random.default_rng(1).uniform(0.1, 0.9, (20, 2)))
     np.testing.assert_allclose(surrogate.predict(inner), truth(inner), atol=5e-3)
-    for k, step in enumerate((1e5, 1e-6)):
+    for k, step in enumerate((2e7, 2e-5)):
         moved = step * np.eye(2)[k]
         numeric = (surrogate.predict(inner + moved) - surrogate.predict(inner - moved)) / (2.0 * step)
         np.testing.assert_allclose(surrogate.gradient(inner)[:, k], numeric, rtol=1e-3, atol=1e-6 * np.abs(numeric).max())
-    # Away from the corners, where there are no points and not every surrogate is good.
+    # Away from the corners, where there are no points: an interpolant may be off by half of the range there.
     factors = factors_on(input_space(INPUTS, 0.15, {"depth": (0.35, 0.55)}), 6)
     found = extreme_surfaces(surrogate, factors, np.random.default_rng(2)).importances()
     exact = extreme_surfaces(ExactModel(truth, factors.space), factors, np.random.default_rng(2)).importances()
