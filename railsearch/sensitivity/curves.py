@@ -25,13 +25,10 @@ Interval = tuple[float, float]
 def weighted_variance(curve: FloatArray, weights: FloatArray) -> float:
     """Var of a curve (n,) with weights (n,), NaN left out; 0 where there are no values."""
     known = np.isfinite(curve)
-    values, shares = curve[known], weights[known]
-    if not shares.sum() > 0.0:
+    if not weights[known].sum() > 0.0:
         return 0.0
-    # The first value is taken off because rounding would give a flat curve far from zero a variance.
-    values = values - values[0]
-    mean = np.average(values, weights=shares)
-    return float(np.average((values - mean) ** 2, weights=shares))
+    mean = np.average(curve[known], weights=weights[known])
+    return float(np.average((curve[known] - mean) ** 2, weights=weights[known]))
 
 
 def shares(variances: FloatArray) -> FloatArray:

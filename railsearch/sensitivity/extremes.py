@@ -10,7 +10,7 @@
 Source: Shang, Nogal, Teixeira & Wolfert 2024, Reliability Engineering & System Safety 243, 109818.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -30,6 +30,9 @@ from .models import BoxModel, ExactModel
 MAXIMUM, MINIMUM = SENSES = ("maximum", "minimum")
 SIGNS: Mapping[str, float] = {MAXIMUM: -1.0, MINIMUM: 1.0}
 """What the output is multiplied by to be minimised."""
+
+FLAT = 1e-7
+"""A curve with a standard deviation below this fraction of the output's range is as flat as extremes are exact."""
 
 OUTPUT = Quantity("g", meaning="output of the model")
 
@@ -97,12 +100,15 @@ class ExtremeSurfaces:
         return {name: weighted_variance(curve.values, shares) for name, curve, shares in found}
 
     def importances(self, sense: str = MAXIMUM, weighted: bool = True) -> dict[str, float]:
-        """I_i by factor, 0 for all where no curve varies. Raises InputError as `surface`."""
+        """I_i by factor, 0 for all where no curve varies by more than rounding. Raises InputError as `surface`."""
         variances = self.variances(sense, weighted)
-        return dict(zip(variances, map(float, shares(np.array(list(variances.values())))), strict=True))
+        values = np.concatenate([curve.values for curves in self.curves.values() for curve in curves])
+        rounding = (FLAT * float(np.nanmax(values) - np.nanmin(values))) ** 2 if np.isfinite(values).any() else 0.0
+        found = np.array(list(variances.values()))
+        return dict(zip(variances, map(float, shares(np.where(found > rounding, found, 0.0))), strict=True))
 
     def local_sensitivity(self, name: str, sense: str = MAXIMUM) -> FloatArray:
-        """dȲ_i/dx_i (n_i,) at the grid values, unit of the output over that of the factor. Raises InputError as `surface`."""
+        """dȲ_i/dx_i (n_i,) at the grid values. Unit: the output's over the factor's. Raises InputError as `surface`."""
         return local_sensitivity(self.factors.grids[self.factors.index(name)], self.surface(name, sense).values)
 
     def document(self) -> dict[str, Any]:
@@ -150,20 +156,23 @@ def extreme_surfaces(
     generator: np.random.Generator,
     settings: SearchSettings | None = None,
     output: Quantity = OUTPUT,
+    senses: Sequence[str] = SENSES,
 ) -> ExtremeSurfaces:
     """Find Ȳ_i(x_ij) = max and min of g(x) with X_i = x_ij, for all factors and grid values at once.
 
     model: a surrogate (`predict` and `gradient` at points (k, d) in the factors' own units), or an `ExactModel`; generator:
-    draws the samples of starts and of the global check; settings: how much work it may be; output: name and unit of g.
-    Raises InputError for integer factors, SurrogateError where a surrogate is not finite, SimulationError if all evaluations
-    of the first sample failed. Source: Shang et al. 2024; spectral projected gradients: Birgin, Martínez & Raydan 2000.
+    draws the samples of starts and of the global check; settings: how much work it may be; output: name and unit of g;
+    senses: which extremes; thresholds need both. Raises InputError for integer factors and for no or other extremes,
+    SurrogateError where a surrogate is not finite, SimulationError if all evaluations of the first sample failed.
+    Source: Shang et al. 2024; spectral projected gradients: Birgin, Martínez & Raydan 2000.
     """
+    check_senses(senses)
     chosen, asker = settings or SearchSettings(), Asker(model, factors)
     problems = InnerProblems(factors)
-    goals = [Extreme(SIGNS[sense]) for sense in SENSES]
+    goals = [Extreme(SIGNS[sense]) for sense in senses]
     searches, check = solved(asker.box, problems, goals, chosen, generator)
     curves = {
-        sense: _curves(factors, problems, SIGNS[sense], search) for sense, search in zip(SENSES, searches, strict=True)
+        sense: _curves(factors, problems, SIGNS[sense], search) for sense, search in zip(senses, searches, strict=True)
     }
     return ExtremeSurfaces(factors, output, curves, asker.effort(check if chosen.check else None))
 
@@ -196,6 +205,14 @@ def check_sense(sense: str) -> None:
     """Raise InputError for anything but `maximum` and `minimum`."""
     if sense not in SENSES:
         raise InputError(f"extreme: {' or '.join(SENSES)} is needed, received {sense!r}")
+
+
+def check_senses(senses: Sequence[str]) -> None:
+    """Raise InputError for no extremes, and for one that is neither `maximum` nor `minimum`."""
+    if not senses:
+        raise InputError(f"extremes: one or both of {' and '.join(SENSES)} are needed, received none")
+    for sense in senses:
+        check_sense(sense)
 
 
 def _curves(factors: Factors, problems: InnerProblems, sign: float, search: InnerSearch) -> tuple[Curve, ...]:

@@ -97,7 +97,7 @@ def input_space(
     ranges: Mapping[str, Sequence[float]] | None = None,
     units: Mapping[str, str] | None = None,
 ) -> Space:
-    """The bounds of random inputs as a space: those of `ranges`, else their own, else percentiles at `level` and 1 − `level`.
+    """The bounds of random inputs as a space: those of `ranges`, else their own, else percentiles at `level`, 1 − `level`.
 
     Raises InputError for bounds that are reversed, equal, not finite or beyond what an input can have, and for the name of
     no input. Source: Shang et al. 2024.
@@ -137,7 +137,7 @@ def grid_values(variable: Variable, points: int, spacing: str, generator: np.ran
 def trapezoidal_weights(grid: FloatArray) -> FloatArray:
     """w (n,) of a rising grid (n,): w_j = (x_{j+1} − x_{j−1})/2, half the end interval at both ends."""
     halves = 0.5 * np.diff(grid)
-    return np.append(halves, 0.0) + np.append(0.0, halves)
+    return np.asarray(np.append(halves, 0.0) + np.append(0.0, halves))
 
 
 def _equal(variable: Variable, points: int, generator: np.random.Generator | None) -> FloatArray:
@@ -145,7 +145,7 @@ def _equal(variable: Variable, points: int, generator: np.random.Generator | Non
 
 
 def _logarithmic(variable: Variable, points: int, generator: np.random.Generator | None) -> FloatArray:
-    return np.geomspace(variable.lower, variable.upper, points)
+    return np.asarray(np.geomspace(variable.lower, variable.upper, points))
 
 
 def _random(variable: Variable, points: int, generator: np.random.Generator | None) -> FloatArray:
@@ -162,7 +162,7 @@ _GRIDS: Mapping[str, Callable[[Variable, int, np.random.Generator | None], Float
 
 def _by_name(value: T | Mapping[str, T] | None, names: Sequence[str], where: str) -> Mapping[str, T]:
     if isinstance(value, Mapping):
-        _check_known(list(value), names, f"{where}: factor")
+        _check_known(list(value), names, "factor", f"{where}: ")
         return value
     return {} if value is None else dict.fromkeys(names, value)
 
@@ -180,9 +180,9 @@ def _stated(name: str, bounds: Sequence[float], inputs: "RandomVector") -> NDArr
     return pair
 
 
-def _check_known(names: Sequence[str], known: Sequence[str], kind: str) -> None:
+def _check_known(names: Sequence[str], known: Sequence[str], kind: str, where: str = "") -> None:
     for name in names:
         if name not in known:
             close = difflib.get_close_matches(name, known, n=1)
             hint = f", did you mean '{close[0]}'?" if close else ""
-            raise InputError(f"unknown {kind} '{name}'{hint}; there are {', '.join(known)}")
+            raise InputError(f"{where}unknown {kind} '{name}'{hint}; there are {', '.join(known)}")

@@ -3,7 +3,6 @@
 | symbol | meaning | shape | unit |
 |---|---|---|---|
 | X, y | samples of the inputs, values of an output | (n, d), (n,) | the caller's |
-| U | (X − X_min)/(X_max − X_min), points of the unit cube | (n, d) | - |
 | ε_gen | mean squared error on samples that were held out, over the variance of y | scalar | - |
 | ε_loo | leave-one-out error over the variance of y | scalar | - |
 """
@@ -11,16 +10,16 @@
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
 from railsearch.distributions import RandomVector
 from railsearch.errors import InputError
-from railsearch.interfaces import Surrogate, require_methods
-from railsearch.parameters import make_parameters
+from railsearch.interfaces import require_methods
 from railsearch.plugin_manager import Registry
 from railsearch.projected_gradient import SmoothFunction
+from railsearch.sensitivity.surrogates import input_surrogate
 from railsearch.space import FloatArray
 
 Fit = Callable[[FloatArray, FloatArray], SmoothFunction]
@@ -63,48 +62,18 @@ class FittedSurrogate:
     predicted: FloatArray
 
 
-class OnSampledBox:
-    """A surrogate of the unit cube as one of the box that the samples (n, d) span, in their own units.
-
-    Not of F(x), in which a smooth function has infinite slopes where an unbounded input has its tails.
-    """
-
-    def __init__(self, surrogate: Surrogate, points: FloatArray, values: FloatArray) -> None:
-        self.surrogate = surrogate
-        self._lower = points.min(axis=0)
-        self._width = np.maximum(np.ptp(points, axis=0), np.finfo(float).tiny)
-        surrogate.fit(self._unit(points), values)
-
-    def predict(self, points: FloatArray) -> FloatArray:
-        """Values (k,) at points (k, d) of the inputs."""
-        return self.surrogate.predict(self._unit(points))
-
-    def gradient(self, points: FloatArray) -> FloatArray:
-        """Derivatives (k, d) at points (k, d) of the inputs."""
-        return np.asarray(self.surrogate.gradient(self._unit(points)) / self._width)
-
-    def _unit(self, points: FloatArray) -> FloatArray:
-        return np.asarray((points - self._lower) / self._width)
-
-
 def surrogate_fit(registry: Registry, name: str, settings: Mapping[str, object], inputs: RandomVector) -> Fit:
     """What fits the surrogate of that name to samples of random inputs.
 
-    One that knows what to do with distributions gets them (`RandomInputSurrogate`), any other the box of the samples.
-    Raises PluginError and InputError as `Registry.surrogate`, CapabilityError for one without a gradient.
+    Raises PluginError and InputError as `input_surrogate`, CapabilityError for one without a gradient.
     """
-    plugin = None if "." in name else registry.get("surrogate", name)
     made = registry.surrogate(name, inputs.dimension, settings)
     require_methods(made, name, ["gradient"], "the search for extremes", "choose pce, pck, kriging or rbf")
 
     def fit(points: FloatArray, values: FloatArray) -> SmoothFunction:
-        if plugin is not None and hasattr(plugin, "for_inputs"):
-            own = cast(
-                Surrogate, plugin.for_inputs(inputs, make_parameters(plugin.Parameters, settings, f"surrogate {name}"))
-            )
-            own.fit(points, values)
-            return own
-        return OnSampledBox(registry.surrogate(name, inputs.dimension, settings), points, values)
+        surrogate = input_surrogate(registry, name, inputs, settings)
+        surrogate.fit(points, values)
+        return surrogate
 
     return fit
 
@@ -132,8 +101,7 @@ def fitted_surrogate(
     model.predict(points)
     seconds = (time.perf_counter() - fitted) / len(values)
     error = float(np.mean((values[held] - predicted) ** 2) / np.var(values))
-    own = model.surrogate if isinstance(model, OnSampledBox) else model
-    quality = SurrogateQuality(len(values), len(held), error, _leave_one_out(own), _terms(own), fitted - begin, seconds)
+    quality = SurrogateQuality(len(values), len(held), error, _leave_one_out(model), _terms(model), fitted - begin, seconds)
     return FittedSurrogate(model, quality, values[held], predicted)
 
 

@@ -7,9 +7,9 @@
 | Ỹ^k_j | g at the minimiser of (g − t_k)² with X_i = x_ij | (n,) | of the output |
 | G_k | g − t_k: failing above 0, reliable below (upper limit) | | of the output |
 
-g takes on the connected box every value between its extremes, so Ỹ^k = min(max(t_k, Ȳmin), Ȳmax): t_k where it can be reached,
-the extreme that comes nearest where it cannot. Two extreme problems serve all thresholds. The minimisation itself is
-`direct_threshold_surfaces`. Source: Shang, Nogal, Teixeira & Wolfert 2024, RESS 243, 109818.
+A continuous g takes on the connected box every value between its extremes, so Ỹ^k = min(max(t_k, Ȳmin), Ȳmax): t_k where it
+can be reached, the extreme that comes nearest where it cannot. Two extreme problems serve all thresholds. The minimisation
+itself is `direct_threshold_surfaces`. Source: Shang, Nogal, Teixeira & Wolfert 2024, RESS 243, 109818.
 """
 
 import math
