@@ -14,7 +14,7 @@ has a variance about one whatever the unit; see system.py for L, G, S, α and β
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -22,6 +22,7 @@ from scipy.linalg import solve_triangular
 from railsearch.errors import SurrogateError
 from railsearch.space import FloatArray
 
+from ..surrogate_data import relative_error
 from .correlation import CORRELATIONS, correlations
 from .estimation import Hyperparameters, estimated, solved
 from .parameters import GaussianProcessParameters
@@ -108,7 +109,7 @@ class GaussianProcess:
 
     @property
     def variance(self) -> float:
-        """The process variance σ²: of maximum likelihood, or with leave-one-out the mean of e² q, of Bachoc 2013."""
+        """The process variance σ²: of either likelihood, or with leave-one-out the mean of e² q, of Bachoc 2013."""
         return self._scale**2 * self._standard_variance()
 
     @property
@@ -126,6 +127,14 @@ class GaussianProcess:
     def training_residuals(self) -> FloatArray:
         """Residuals (n,): each value less the prediction there, (y − Fβ) − (R − ν I) α = ν α; zero without a nugget."""
         return self._scale * self.hyperparameters.nugget * self._state()[1].weights
+
+    @property
+    def errors(self) -> Mapping[str, float]:
+        """Mean squared errors as fractions of the variance of the values: `training` at the points, `leave-one-out`."""
+        training, _ = self._state()
+        variance = float(np.var(training.trend @ self._centre + self._scale * training.values))
+        residuals = {"training": self.training_residuals, "leave-one-out": self.leave_one_out_residuals}
+        return {name: relative_error(errors, variance) for name, errors in residuals.items()}
 
     def _checked_trend(self, points: FloatArray) -> FloatArray:
         trend = self._trend.values(points)
@@ -156,6 +165,8 @@ class GaussianProcess:
             solution = self._state()[1]
             if self._parameters.estimation == "maximum-likelihood":
                 self._variance = solution.variance
+            elif self._parameters.estimation == "restricted-maximum-likelihood":
+                self._variance = solution.restricted_variance
             else:
                 residuals, precisions = leave_one_out(solution)
                 self._variance = float(np.mean(residuals**2 * precisions))
