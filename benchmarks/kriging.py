@@ -7,11 +7,13 @@ thread's processor. `scikit-learn` is its Gaussian process with a Matérn 5/2 ke
 """
 
 import argparse
+import warnings
 from functools import partial
 
 import numpy as np
 from measuring import spread, yardstick
 from sklearn.compose import TransformedTargetRegressor
+from sklearn.exceptions import ConvergenceWarning
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import ConstantKernel, Matern
 from sklearn.pipeline import make_pipeline
@@ -58,7 +60,8 @@ def main():
     arguments.add_argument("--seeds", type=int, default=10)
     arguments.add_argument("--models", nargs="+", default=tuple(MODELS), choices=tuple(MODELS))
     asked = arguments.parse_args()
-    with threadpool_limits(1):
+    with threadpool_limits(1), warnings.catch_warnings():
+        warnings.simplefilter("ignore", ConvergenceWarning)
         print(HEADER, flush=True)
         for size in asked.sizes:
             for name in asked.models:
