@@ -110,7 +110,7 @@ def test_bad_settings_are_refused(settings, message):
 def test_bad_data_are_refused():
     points, values = truss(20)
     model = PolynomialChaosKrigingRegressor(inputs=TRUSS)
-    with pytest.raises(SurrogateError, match="3 or more points are needed .*, received 2"):
+    with pytest.raises(SurrogateError, match=r"3 or more points are needed .*, received 2"):
         model.fit(points[:2], values[:2])
     with pytest.raises(InputError, match="9 columns were given for the 10 inputs"):
         model.fit(points[:, :9], values)

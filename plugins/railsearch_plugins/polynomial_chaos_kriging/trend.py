@@ -31,21 +31,15 @@ class ExpansionTrend:
 
     def gradient(self, points: FloatArray) -> FloatArray:
         """Derivatives (k, d, p) of F at points (k, d): by an input, the product of its slope and the others' values."""
-        factors, slopes = self._factors(points)
-        gradient = np.zeros((len(points), len(factors), len(self.indices)))
-        for i, present in enumerate(self.indices.T > 0):
-            rates = slopes[i][:, present]
-            for j, values in enumerate(factors):
-                if j != i:
-                    rates = rates * values[:, present]
-            gradient[:, i, present] = rates
+        degrees = self.indices.T
+        columns = zip(self.families, points.T, degrees, strict=True)
+        tables = [family.values_and_slopes(x, int(own.max())) for family, x, own in columns]
+        gradient = np.zeros((len(points), *degrees.shape))
+        for i, (_, slopes) in enumerate(tables):
+            present = np.flatnonzero(degrees[i])
+            rates = slopes[degrees[i, present]]
+            for j in set(range(len(tables))) - {i}:
+                both = np.flatnonzero(degrees[j, present])
+                rates[both] *= tables[j][0][degrees[j, present[both]]]
+            gradient[:, i, present] = rates.T
         return gradient
-
-    def _factors(self, points: FloatArray) -> tuple[list[FloatArray], list[FloatArray]]:
-        """By input, the univariate polynomials of all terms and their slopes, (k, p) each."""
-        factors, slopes = [], []
-        for family, x, degrees in zip(self.families, points.T, self.indices.T, strict=True):
-            values, rates = family.values_and_slopes(x, int(degrees.max()))
-            factors.append(values[degrees].T)
-            slopes.append(rates[degrees].T)
-        return factors, slopes
