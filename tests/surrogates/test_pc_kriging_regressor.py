@@ -44,6 +44,7 @@ def test_the_truss_is_nearer_than_by_its_terms_alone(variant):
     alone = PolynomialChaosRegressor(**settings).fit(points, values)
     assert error(model) < 0.5 * error(alone)
     assert model.loo_error < alone.loo_error
+    assert model.errors["corrected-expansion"] == alone.errors["corrected"] > error(model) > model.errors["training"]
     assert len(model.terms_) <= len(model.expansion_.indices) == len(alone.expansion_.indices)
 
 

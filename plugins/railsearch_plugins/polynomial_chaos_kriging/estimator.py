@@ -84,9 +84,9 @@ class PolynomialChaosKrigingRegressor(RegressorMixin, BaseEstimator):  # type: i
         columns = described_columns("PolynomialChaosKrigingRegressor", self.inputs, self.basis, X)
         generator = np.random.default_rng(check_random_state(self.random_state).randint(2**31))
         values = np.asarray(y, dtype=float)
-        fitted = fit_polynomial_chaos_kriging(columns.families(settings.degree), X, values, settings, generator)
-        self._model = fitted.model
-        self.terms_, self.expansion_, self.process_ = fitted.indices, fitted.expansion.expansion, fitted.model.process
+        self._fitted = fit_polynomial_chaos_kriging(columns.families(settings.degree), X, values, settings, generator)
+        self._model, self.terms_ = self._fitted.model, self._fitted.indices
+        self.expansion_, self.process_ = self._fitted.expansion.expansion, self._model.process
         self.nugget_added_ = self.process_.nugget_added
         return self
 
@@ -117,9 +117,13 @@ class PolynomialChaosKrigingRegressor(RegressorMixin, BaseEstimator):  # type: i
 
     @property
     def errors(self) -> Mapping[str, float]:
-        """Mean squared errors as fractions of the variance of y: `training` at the points, `leave-one-out`."""
+        """Mean squared errors as fractions of the variance of y.
+
+        `training` at the points; `leave-one-out`, which is too small where many terms were chosen by the same points; and
+        for this reason `corrected-expansion`, the corrected leave-one-out error of the expansion that was found.
+        """
         check_is_fitted(self)
-        return self.process_.errors
+        return self._fitted.errors
 
     def _checked(self, X: Any) -> FloatArray:
         check_is_fitted(self)

@@ -10,6 +10,7 @@
 The polynomials are functions of z, so that trend and process see the same points.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,6 +36,15 @@ class FittedPolynomialChaosKriging:
     expansion: FittedExpansion
     indices: IndexArray
     model: PlacedProcess
+
+    @property
+    def errors(self) -> Mapping[str, float]:
+        """Mean squared errors as fractions of the variance of the values.
+
+        `training` at the points; `leave-one-out`, which is too small where many terms were chosen by the same points; and
+        for this reason `corrected-expansion`, the corrected leave-one-out error of the expansion that was found.
+        """
+        return {**self.model.process.errors, "corrected-expansion": self.expansion.corrected_error}
 
 
 def fit_polynomial_chaos_kriging(

@@ -63,8 +63,8 @@ class PolynomialChaosKriging:
 
     @property
     def errors(self) -> Mapping[str, float]:
-        """Mean squared errors as fractions of the variance of the values: `training`, `leave-one-out`."""
-        return self.fitted.model.process.errors
+        """`training`, `leave-one-out` and `corrected-expansion`: mean squares as fractions of the variance (model.py)."""
+        return self.fitted.errors
 
     @property
     def loo_error(self) -> float:
