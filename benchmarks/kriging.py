@@ -27,7 +27,7 @@ from railsearch_plugins.polynomial_chaos_kriging.estimator import PolynomialChao
 
 def scikit_learn(inputs):
     """Its Gaussian process, and standardised values, because its kernels have a variance about one."""
-    kernel = ConstantKernel(1.0, (1e-3, 1e6)) * Matern(np.full(inputs.dimension, 5.0), (1e-2, 1e5), nu=2.5)
+    kernel = ConstantKernel(1.0, (1e-3, 1e9)) * Matern(np.full(inputs.dimension, 5.0), (1e-2, 1e5), nu=2.5)
     process = make_pipeline(StandardScaler(), GaussianProcessRegressor(kernel, random_state=0))
     return TransformedTargetRegressor(process, transformer=StandardScaler())
 
