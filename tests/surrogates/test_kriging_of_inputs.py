@@ -10,6 +10,7 @@ from railsearch.distributions import random_vector
 from railsearch.errors import InputError, SurrogateError
 from railsearch.plugin_manager import load_plugins
 from railsearch.sampling import latin_hypercube
+from railsearch_plugins.gaussian_process import process
 from railsearch_plugins.gaussian_process.estimator import KrigingRegressor
 from railsearch_plugins.gaussian_process.placement import PlacedProcess
 from railsearch_plugins.gaussian_process.process import GaussianProcess
@@ -100,6 +101,20 @@ def test_gradients_are_by_the_inputs_in_their_own_units():
             slope = (function(queries + offset) - function(queries - offset)) / (2.0 * step)
             scale = np.ptp(smooth(points)) / MIXED.std[k]
             np.testing.assert_allclose(gradient(queries)[:, k] / scale, slope / scale, rtol=1e-5, atol=1e-6)
+
+
+@pytest.mark.parametrize("inputs", [MIXED, None])
+def test_value_and_gradient_at_once_are_those_one_after_the_other(inputs, monkeypatch):
+    points = latin_hypercube(MIXED, 40, np.random.default_rng(1))
+    values, queries = smooth(points), latin_hypercube(MIXED, 25, np.random.default_rng(2))
+    if inputs is None:
+        points, queries = MIXED.cdf(points), MIXED.cdf(queries)
+    model = Kriging(3, KrigingParameters(length_scales=(0.8,), trend="linear"), inputs)
+    model.fit(points, values)
+    monkeypatch.setattr(process, "BLOCK", 7 * 40)
+    both = model.predict_with_gradient(queries)
+    np.testing.assert_array_equal(both[0], model.predict(queries))
+    np.testing.assert_array_equal(both[1], model.gradient(queries))
 
 
 def test_added_points_leave_the_coordinates_until_the_next_fit():

@@ -72,6 +72,8 @@ def test_the_surrogate_of_random_inputs_is_the_regressor():
     queries, _ = truss(10, 1)
     predicted, deviation = model.predict(queries, return_std=True)
     np.testing.assert_array_equal(surrogate.predict(queries), predicted)
+    np.testing.assert_array_equal(surrogate.predict_with_gradient(queries)[0], predicted)
+    np.testing.assert_array_equal(surrogate.predict_with_gradient(queries)[1], model.gradient(queries))
     np.testing.assert_array_equal(surrogate.deviation(queries), deviation)
     np.testing.assert_array_equal(surrogate.gradient(queries), model.gradient(queries))
     np.testing.assert_array_equal(surrogate.deviation_gradient(queries), model.deviation_gradient(queries))

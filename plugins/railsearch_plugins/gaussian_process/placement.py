@@ -75,6 +75,12 @@ class PlacedProcess:
         points = np.atleast_2d(points)
         return self.placement.pulled_back(self.process.gradient(self.placement.placed(points)), points)
 
+    def predict_with_gradient(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Both at once."""
+        points = np.atleast_2d(points)
+        values, slopes = self.process.predict_with_gradient(self.placement.placed(points))
+        return values, self.placement.pulled_back(slopes, points)
+
     def deviation(self, points: FloatArray) -> FloatArray:
         """Standard deviations (k,) of the prediction, the uncertainty of the trend included."""
         return self.process.deviation(self.placement.placed(np.atleast_2d(points)))

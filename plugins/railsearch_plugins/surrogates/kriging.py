@@ -138,6 +138,10 @@ class Kriging:
         """Derivatives (k, d) of the prediction at points (k, d); zero by a rounded variable."""
         return self._model.gradient(points)
 
+    def predict_with_gradient(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Predictions (k,) and their derivatives (k, d) at points (k, d), from one matrix of correlations."""
+        return self._model.predict_with_gradient(points)
+
     def deviation(self, points: FloatArray) -> FloatArray:
         """Standard deviations (k,) of the prediction at points (k, d), the uncertainty of the trend included."""
         return self._model.deviation(points)

@@ -106,6 +106,10 @@ class PolynomialChaosKriging:
         """Derivatives (k, d) of the prediction at points (k, d)."""
         return self.fitted.model.gradient(points)
 
+    def predict_with_gradient(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Predictions (k,) and their derivatives (k, d) at points (k, d), from one matrix of correlations."""
+        return self.fitted.model.predict_with_gradient(points)
+
     def deviation(self, points: FloatArray) -> FloatArray:
         """Standard deviations (k,) of the prediction at points (k, d), the uncertainty of the trend included."""
         return self.fitted.model.deviation(points)
