@@ -7,20 +7,17 @@ are those of the thread's processor.
 """
 
 import argparse
-import time
 
 import numpy as np
 from measuring import spread, yardstick
 from threadpoolctl import threadpool_limits
+from truss_errors import FRESH, measured, seconds, spread_of_errors, truss_inputs
 
-from railsearch.sampling import latin_hypercube
 from railsearch_plugins.polynomial_chaos.estimator import PolynomialChaosRegressor
 from railsearch_plugins.polynomial_chaos.expansion import Expansion
 from railsearch_plugins.polynomial_chaos.families import families
 from railsearch_plugins.polynomial_chaos.multi_indices import hyperbolic_set
-from railsearch_problems.truss import Truss, closed_form
 
-FRESH = 10_000
 BASES = {
     "own": {},
     "own-hyperbolic": {"growth": False},
@@ -40,7 +37,7 @@ def main():
     arguments.add_argument("--seeds", type=int, default=10)
     arguments.add_argument("--bases", nargs="+", default=tuple(BASES), choices=tuple(BASES))
     asked = arguments.parse_args()
-    inputs = Truss().distributions
+    inputs = truss_inputs()
     with threadpool_limits(1):
         print(HEADER, flush=True)
         for size in asked.sizes:
@@ -52,24 +49,14 @@ def main():
 
 def line(inputs, size, basis, seeds):
     """Error, leave-one-out error, number of terms and time of one size and basis."""
-    rows = np.array([measured(inputs, size, basis, seed) for seed in range(seeds)])
-    error = f"{np.median(rows[:, 0]):.2e} ({rows[:, 0].min():.1e} to {rows[:, 0].max():.1e})"
-    loo, terms, fit = np.median(rows[:, 1:], axis=0)
-    return f"{size:4}  {basis:18}  {error:40} {loo:.2e}  {terms:5.0f}  {fit:.2f}"
-
-
-def measured(inputs, size, basis, seed):
-    """ε_gen, ε_LOO, number of terms and seconds of one fit."""
-    generator = np.random.default_rng(seed)
-    points, fresh = (
-        latin_hypercube(inputs, size, generator),
-        inputs.from_uniform(generator.random((FRESH, inputs.dimension))),
-    )
-    model = PolynomialChaosRegressor(inputs=inputs, **BASES[basis])
-    fit = seconds(lambda: model.fit(points, closed_form(points)))
-    truth = closed_form(fresh)
-    error = np.mean((model.predict(fresh) - truth) ** 2) / np.var(truth)
-    return error, model.loo_error, len(model.expansion_.coefficients), fit
+    rows = []
+    for seed in range(seeds):
+        model = PolynomialChaosRegressor(inputs=inputs, **BASES[basis])
+        error, fit = measured(model, size, seed)
+        rows.append((error, model.loo_error, len(model.expansion_.coefficients), fit))
+    errors, *others = np.array(rows).T
+    loo, terms, fit = np.median(others, axis=1)
+    return f"{size:4}  {basis:18}  {spread_of_errors(errors):40} {loo:.2e}  {terms:5.0f}  {fit:.2f}"
 
 
 def evaluation_seconds(inputs):
@@ -81,13 +68,6 @@ def evaluation_seconds(inputs):
     expansion = Expansion(made, chosen, generator.normal(size=len(chosen)))
     points = inputs.from_uniform(generator.random((FRESH, inputs.dimension)))
     return [seconds(lambda: expansion.predict_with_gradient(points)) for _ in range(6)][1:]
-
-
-def seconds(work):
-    """How long a piece of work takes of this thread's processor time."""
-    start = time.thread_time()
-    work()
-    return time.thread_time() - start
 
 
 if __name__ == "__main__":

@@ -28,7 +28,7 @@ def test_every_strategy_is_on_the_page_with_its_capabilities():
     assert {name: tuple(cells) for name, *cells in rows()} == registered
 
 
-@pytest.mark.parametrize("name", ["rbf", "kriging", "pce"])
+@pytest.mark.parametrize("name", ["rbf", "kriging", "pce", "pck"])
 def test_surrogates_on_the_page_have_what_it_says(name):
     plugin = load_plugins().get("surrogate", name)
     line = next(line for line in PAGE.split("## Surrogates")[1].splitlines() if line.startswith(f"| `{name}` |"))

@@ -14,7 +14,7 @@ from railsearch.sensitivity.factors import EQUAL, LOGARITHMIC, RANDOM, SPACINGS,
 from railsearch.sensitivity.inner_search import FRUGAL, GlobalCheck, SearchSettings
 from railsearch.sensitivity.models import ExactModel, ProblemFunction
 from railsearch.sensitivity.strategy_search import StrategySettings, strategy_surfaces
-from railsearch.sensitivity.surrogates import CubeSurrogate, input_surrogate
+from railsearch.sensitivity.surrogates import BoxSurrogate, input_surrogate
 from railsearch.sensitivity.thresholds import (
     FactorThreshold,
     Threshold,
@@ -33,7 +33,7 @@ __all__ = [
     "RANDOM",
     "SENSES",
     "SPACINGS",
-    "CubeSurrogate",
+    "BoxSurrogate",
     "Curve",
     "Effort",
     "ExactModel",

@@ -431,7 +431,7 @@ def test_bad_input_is_refused():
         ({"length_scale_bounds": [1.0, 0.1]}, r"the shortest, then the longest is needed, received \[1.0, 0.1\]"),
         ({"correlation": "cubic"}, "'matern-5/2' or 'matern-3/2'"),
         ({"trend": "cubic"}, "'constant' or 'linear' or 'quadratic'"),
-        ({"estimation": "guess"}, "'maximum-likelihood' or 'leave-one-out'"),
+        ({"estimation": "guess"}, "'maximum-likelihood' or 'restricted-maximum-likelihood' or 'leave-one-out'"),
         ({"nugget": -1.0}, "nugget: allowed is ≥ 0"),
         ({"starts": 0}, "starts: allowed is ≥ 1"),
     ],

@@ -9,10 +9,13 @@
 | τ, μ | standard deviation and mean log(√d/2) of log θ before the data | scalars | - | Hvarfner et al. 2024 |
 | D_r | squared differences (x_r − x'_r)² of the points | (n, n) | - | |
 
-Criteria, both free of the scale of y: maximum likelihood c = log σ̂² + log det R/n (β and σ² profiled out), and leave-one-out
-c = log Σ e². With Q = R⁻¹ − R⁻¹F(FᵀR⁻¹F)⁻¹FᵀR⁻¹ and dQ = −Q dR Q,
+Criteria, all free of the scale of y: maximum likelihood c = log σ̂² + log det R/n (β and σ² profiled out), restricted maximum
+likelihood c = log σ̃² + (log det R + log det FᵀR⁻¹F)/(n − p) with σ̃² = σ̂² n/(n − p) (Patterson & Thompson 1971; β integrated
+out, so that it does not take a long trend for small correlations), and leave-one-out c = log Σ e². With
+Q = R⁻¹ − R⁻¹F(FᵀR⁻¹F)⁻¹FᵀR⁻¹ and dQ = −Q dR Q,
 
     maximum likelihood  M = (R⁻¹ − ααᵀ/σ̂²)/n
+    restricted          M = (Q − ααᵀ/σ̃²)/(n − p)
     leave-one-out       M = 2 (Q diag(e²/q) Q − α sᵀ)/Σ e²,  s = Q (e/q)
 
 and, as ∂R/∂ log θ_r = g ∘ D_r/θ_r², the gradient Σ_ij M_ij g_ij D_r,ij/θ_r² takes one product of matrices for all r. A prior
@@ -30,11 +33,14 @@ from railsearch.errors import InputError
 from railsearch.space import FloatArray
 
 from .correlation import CORRELATIONS, correlations
-from .parameters import GaussianProcessParameters
-from .system import Solution, Training, factorise, inverse, leave_one_out, projected_trend, solve
+from .parameters import SEARCH_BOUNDS, GaussianProcessParameters
+from .system import Solution, Training, factorise, inverse, leave_one_out, projection, solve
 
 SUBSET = 300
 """Where there are more points than this, starts are compared on a random subset of this size."""
+
+POINTS_PER_FUNCTION = 2
+"""The subset has no fewer points for each function of the trend."""
 
 NUGGETS = (1e-8, 1.0)
 """Least and largest nugget that may be estimated."""
@@ -80,19 +86,32 @@ def likelihood(solution: Solution) -> tuple[float, FloatArray]:
     return value, derivative / n
 
 
+def restricted_likelihood(solution: Solution) -> tuple[float, FloatArray]:
+    """log σ̂² + (log det R + log det FᵀR⁻¹F)/(n − p), σ̂² with divisor n − p: the likelihood of what no trend explains."""
+    variance = max(solution.restricted_variance, SMALLEST)
+    n, p = solution.orthogonal.shape
+    determinant = 2.0 * float(np.sum(np.log(np.diagonal(solution.lower))))
+    determinant += 2.0 * float(np.sum(np.log(np.abs(np.diagonal(solution.triangle)))))
+    derivative = projection(solution) - np.outer(solution.weights / variance, solution.weights)
+    return np.log(variance) + determinant / (n - p), derivative / (n - p)
+
+
 def leave_one_out_error(solution: Solution) -> tuple[float, FloatArray]:
     """log Σ e² of the leave-one-out residuals."""
     residuals, precisions = leave_one_out(solution)
     total = max(float(residuals @ residuals), SMALLEST)
-    lower, trend = inverse(solution), projected_trend(solution)
-    projection = lower + np.tril(lower, -1).T - trend @ trend.T
+    projected = projection(solution)
     ratio = residuals / precisions
-    half = projection * np.sqrt(ratio * residuals)
-    derivative = half @ half.T - np.outer(solution.weights, projection @ ratio)
+    half = projected * np.sqrt(ratio * residuals)
+    derivative = half @ half.T - np.outer(solution.weights, projected @ ratio)
     return float(np.log(total)), derivative * (2.0 / total)
 
 
-CRITERIA: dict[str, Criterion] = {"maximum-likelihood": likelihood, "leave-one-out": leave_one_out_error}
+CRITERIA: dict[str, Criterion] = {
+    "maximum-likelihood": likelihood,
+    "restricted-maximum-likelihood": restricted_likelihood,
+    "leave-one-out": leave_one_out_error,
+}
 
 
 def solved(training: Training, parameters: GaussianProcessParameters, at: Hyperparameters) -> tuple[Solution, float]:
@@ -129,12 +148,18 @@ def estimated(
         return Hyperparameters(given_length_scales(parameters, dimension), parameters.nugget)
     if start is not None:
         return _minimised(training, parameters, start)[0]
-    small = training
-    if training.size > SUBSET:
-        small = training.rows(np.sort(generator.permutation(training.size)[:SUBSET]))
+    small = subset(training, generator)
     found = [_minimised(small, parameters, at) for at in _starts(small, parameters, generator)]
     best, _ = min(found, key=lambda pair: pair[1])
     return best if small is training else _minimised(training, parameters, best)[0]
+
+
+def subset(training: Training, generator: np.random.Generator) -> Training:
+    """The rows on which starts are compared: all, or a random choice of them where there are many."""
+    enough = max(SUBSET, POINTS_PER_FUNCTION * training.trend.shape[1])
+    if training.size <= enough:
+        return training
+    return training.rows(np.sort(generator.permutation(training.size)[:enough]))
 
 
 def given_length_scales(parameters: GaussianProcessParameters, dimension: int) -> FloatArray:
@@ -153,7 +178,7 @@ def _starts(
     nugget = NUGGET_START if parameters.estimate_nugget else parameters.nugget
     if parameters.length_scales is not None:
         return [Hyperparameters(given_length_scales(parameters, dimension), nugget)]
-    lowest, highest = parameters.length_scale_bounds
+    lowest, highest = parameters.length_scale_bounds or SEARCH_BOUNDS
     common = np.clip(ISOTROPIC_STARTS * np.sqrt(dimension), lowest, highest)
     isotropic = [Hyperparameters(np.full(dimension, scale), nugget) for scale in common]
     best = min(isotropic, key=lambda at: criterion(training, parameters, at)[0])
@@ -179,7 +204,7 @@ def _minimised(
         return value + surprise / training.size, np.append(gradient, [by_nugget] * nugget_free)
 
     nuggets = [max(start.nugget, NUGGETS[0])] * nugget_free
-    bounds = [parameters.length_scale_bounds] * n_scales + [NUGGETS] * nugget_free
+    bounds = [parameters.length_scale_bounds or SEARCH_BOUNDS] * n_scales + [NUGGETS] * nugget_free
     result = minimize(
         objective,
         np.log(np.append(start.length_scales[:n_scales], nuggets)),

@@ -7,6 +7,12 @@ from railsearch.interfaces import parameter
 
 from .correlation import CORRELATIONS
 
+SEARCH_BOUNDS = (0.01, 20.0)
+"""Bounds of the length scales on the unit cube of a search."""
+
+INPUT_BOUNDS = (0.01, 200.0)
+"""Bounds of the length scales over random inputs, which extend beyond the data: there a linear effect needs longer ones."""
+
 
 @dataclass(frozen=True)
 class GaussianProcessParameters:
@@ -21,17 +27,18 @@ class GaussianProcessParameters:
     estimation: str = parameter(
         "maximum-likelihood",
         meaning="what the length scales are chosen by",
-        source="Bachoc 2013; Dubrule 1983",
-        choices=("maximum-likelihood", "leave-one-out"),
+        source="Bachoc 2013; Dubrule 1983; Patterson & Thompson 1971 for the restricted likelihood",
+        choices=("maximum-likelihood", "restricted-maximum-likelihood", "leave-one-out"),
     )
     length_scales: tuple[float, ...] | None = parameter(
         None,
         meaning="length scales by variable as fractions of its range, or one for all; if not given, they are estimated",
         above=0.0,
     )
-    length_scale_bounds: tuple[float, ...] = parameter(
-        (0.01, 20.0),
-        meaning="shortest and longest length scale that may be estimated, as fractions of the range of a variable",
+    length_scale_bounds: tuple[float, ...] | None = parameter(
+        None,
+        meaning="shortest and longest length scale that may be estimated, as fractions of the range of a variable; if not "
+        "given, 0.01 and 20, or 200 where the inputs are random",
         source="own choice: beyond them a variable is noise or without effect",
         above=0.0,
     )
@@ -57,5 +64,5 @@ class GaussianProcessParameters:
 
     def __post_init__(self) -> None:
         bounds = self.length_scale_bounds
-        if len(bounds) != 2 or not bounds[0] < bounds[1]:
+        if bounds is not None and (len(bounds) != 2 or not bounds[0] < bounds[1]):
             raise InputError(f"length_scale_bounds: the shortest, then the longest is needed, received {list(bounds)}")

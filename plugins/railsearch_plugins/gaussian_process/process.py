@@ -14,7 +14,7 @@ has a variance about one whatever the unit; see system.py for L, G, S, α and β
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -22,6 +22,7 @@ from scipy.linalg import solve_triangular
 from railsearch.errors import SurrogateError
 from railsearch.space import FloatArray
 
+from ..surrogate_data import relative_error
 from .correlation import CORRELATIONS, correlations
 from .estimation import Hyperparameters, estimated, solved
 from .parameters import GaussianProcessParameters
@@ -98,6 +99,11 @@ class GaussianProcess:
         """Derivatives (k, d) of ŷ at points (k, d); kinks of the correlation give zero."""
         return self._in_blocks(self._gradient, points)
 
+    def predict_with_gradient(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Predictions (k,) and their derivatives (k, d) at points (k, d), from one matrix of correlations."""
+        values, gradients = zip(*map(self._predict_with_gradient, self._blocks(points)), strict=True)
+        return np.concatenate(values), np.concatenate(gradients)
+
     def deviation(self, points: FloatArray) -> FloatArray:
         """Standard deviations s (k,) of the prediction at points (k, d), without the noise of an observation."""
         return self._in_blocks(self._deviation, points)
@@ -108,7 +114,7 @@ class GaussianProcess:
 
     @property
     def variance(self) -> float:
-        """The process variance σ²: of maximum likelihood, or with leave-one-out the mean of e² q, of Bachoc 2013."""
+        """The process variance σ²: of either likelihood, or with leave-one-out the mean of e² q, of Bachoc 2013."""
         return self._scale**2 * self._standard_variance()
 
     @property
@@ -126,6 +132,14 @@ class GaussianProcess:
     def training_residuals(self) -> FloatArray:
         """Residuals (n,): each value less the prediction there, (y − Fβ) − (R − ν I) α = ν α; zero without a nugget."""
         return self._scale * self.hyperparameters.nugget * self._state()[1].weights
+
+    @property
+    def errors(self) -> Mapping[str, float]:
+        """Mean squared errors as fractions of the variance of the values: `training` at the points, `leave-one-out`."""
+        training, _ = self._state()
+        variance = float(np.var(training.trend @ self._centre + self._scale * training.values))
+        residuals = {"training": self.training_residuals, "leave-one-out": self.leave_one_out_residuals}
+        return {name: relative_error(errors, variance) for name, errors in residuals.items()}
 
     def _checked_trend(self, points: FloatArray) -> FloatArray:
         trend = self._trend.values(points)
@@ -156,6 +170,8 @@ class GaussianProcess:
             solution = self._state()[1]
             if self._parameters.estimation == "maximum-likelihood":
                 self._variance = solution.variance
+            elif self._parameters.estimation == "restricted-maximum-likelihood":
+                self._variance = solution.restricted_variance
             else:
                 residuals, precisions = leave_one_out(solution)
                 self._variance = float(np.mean(residuals**2 * precisions))
@@ -165,21 +181,33 @@ class GaussianProcess:
         return correlations(self._correlation, points, others, self.hyperparameters.length_scales)
 
     def _in_blocks(self, function: Callable[[FloatArray], FloatArray], points: FloatArray) -> FloatArray:
+        return np.concatenate([function(block) for block in self._blocks(points)])
+
+    def _blocks(self, points: FloatArray) -> list[FloatArray]:
         size = max(1, BLOCK // self._state()[0].size)
-        blocks = [function(points[start : start + size]) for start in range(0, max(len(points), 1), size)]
-        return np.concatenate(blocks)
+        return [points[start : start + size] for start in range(0, max(len(points), 1), size)]
 
     def _predict(self, points: FloatArray) -> FloatArray:
-        training, solution = self._state()
-        values, _ = self._correlations(points, training.points)
-        predicted: FloatArray = self._trend.values(points) @ self.coefficients
-        return predicted + self._scale * (values @ solution.weights)
+        values, _ = self._correlations(points, self._state()[0].points)
+        return self._mean(points, values)
 
     def _gradient(self, points: FloatArray) -> FloatArray:
-        training, solution = self._state()
-        _, slopes = self._correlations(points, training.points)
+        _, slopes = self._correlations(points, self._state()[0].points)
+        return self._mean_gradient(points, slopes)
+
+    def _predict_with_gradient(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        values, slopes = self._correlations(points, self._state()[0].points)
+        return self._mean(points, values), self._mean_gradient(points, slopes)
+
+    def _mean(self, points: FloatArray, correlations: FloatArray) -> FloatArray:
+        """ŷ (k,) with the correlations (k, n) at hand."""
+        predicted: FloatArray = self._trend.values(points) @ self.coefficients
+        return predicted + self._scale * (correlations @ self._state()[1].weights)
+
+    def _mean_gradient(self, points: FloatArray, slopes: FloatArray) -> FloatArray:
+        """Its derivatives (k, d) with the slopes g (k, n) at hand."""
         gradient: FloatArray = self._trend.gradient(points) @ self.coefficients
-        return gradient - self._scale * self._slope(points, slopes * solution.weights)
+        return gradient - self._scale * self._slope(points, slopes * self._state()[1].weights)
 
     def _slope(self, points: FloatArray, weights: FloatArray) -> FloatArray:
         """Σ_k weights_k (x − x_k)/θ² (k, d), weights (k, n)."""

@@ -47,6 +47,10 @@ class Training:
         """Some of the rows."""
         return Training(self.points[chosen], self.trend[chosen], self.values[chosen])
 
+    def functions(self, count: int) -> "Training":
+        """The same points with the first trend functions only."""
+        return Training(self.points, self.trend[:, :count], self.values)
+
     def joined(self, other: "Training") -> "Training":
         """These rows, then those of another."""
         both = zip((self.points, self.trend, self.values), (other.points, other.trend, other.values), strict=True)
@@ -69,6 +73,12 @@ class Solution:
     def variance(self) -> float:
         """The process variance of maximum likelihood, σ̂² = (y − Fβ)ᵀR⁻¹(y − Fβ)/n."""
         return float(self.residual @ self.residual) / len(self.residual)
+
+    @property
+    def restricted_variance(self) -> float:
+        """The same with divisor n − p, that of restricted maximum likelihood."""
+        n, p = self.orthogonal.shape
+        return float(self.residual @ self.residual) / int(n - p)
 
 
 def factorise(matrix: FloatArray, nugget: float) -> tuple[FloatArray, float]:
@@ -121,10 +131,34 @@ def projected_trend(solution: Solution) -> FloatArray:
     return product
 
 
+def projection(solution: Solution) -> FloatArray:
+    """Q (n, n)."""
+    lower, trend = inverse(solution), projected_trend(solution)
+    matrix: FloatArray = lower + np.tril(lower, -1).T - trend @ trend.T
+    return matrix
+
+
 def leave_one_out(solution: Solution) -> tuple[FloatArray, FloatArray]:
     """Leave-one-out residuals e = α/q (n,) at fixed length scales, and q = diag Q (n,), their precisions σ²/variance."""
     precisions = np.diagonal(inverse(solution)) - np.sum(projected_trend(solution) ** 2, axis=1)
     return solution.weights / precisions, precisions
+
+
+def leave_one_out_by_trend(solution: Solution) -> FloatArray:
+    """Leave-one-out residuals e (n, p) with the first 1, 2, … p trend functions alone, at fixed length scales.
+
+    With b_j the columns of B, Q of the first k functions is Q + Σ_{j > k} b_j b_jᵀ: nothing is factorised again.
+    """
+    trend = projected_trend(solution)
+    _, precisions = leave_one_out(solution)
+    explained = trend * (solution.orthogonal.T @ solution.whitened[:, -1])
+    return (solution.weights[:, None] + _later(explained)) / (precisions[:, None] + _later(trend**2))
+
+
+def _later(columns: FloatArray) -> FloatArray:
+    """Sums (n, p) of the columns after each column."""
+    sums: FloatArray = np.cumsum(columns[:, ::-1], axis=1)[:, ::-1] - columns
+    return sums
 
 
 def _projected(lower: FloatArray, whitened: FloatArray) -> Solution:

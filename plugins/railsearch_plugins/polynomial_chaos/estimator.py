@@ -7,13 +7,12 @@ import numpy as np
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from railsearch.distributions import Marginal, RandomVector, random_vector
-from railsearch.errors import InputError
+from railsearch.distributions import RandomVector
 from railsearch.parameters import make_parameters
 from railsearch.space import FloatArray
 
+from .columns import described_columns
 from .expansion import Expansion
-from .families import families
 from .parameters import PolynomialChaosParameters
 from .search import fit_expansion
 
@@ -57,13 +56,9 @@ class PolynomialChaosRegressor(RegressorMixin, BaseEstimator):  # type: ignore[m
         scikit-learn refuses, SurrogateError for too few points.
         """
         X, y = validate_data(self, X, y, dtype=float, y_numeric=True, ensure_min_samples=2)
-        settings, vector = self._checked_parameters(), self._vector(X)
-        marginals = vector.marginals.values()
-        self._values = np.asarray(y, dtype=float)
-        chosen = families(marginals, settings.degree, self._bases(vector))
-        # The end of a range that is taken from the data may lie beside the data by rounding.
-        points = X if self.inputs is None else vector.checked(X)
-        self._fitted = fit_expansion(chosen, points, self._values, settings)
+        settings = self._checked_parameters()
+        columns = described_columns("PolynomialChaosRegressor", self.inputs, self.basis, X)
+        self._fitted = fit_expansion(columns.families(settings.degree), X, np.asarray(y, dtype=float), settings)
         self.expansion_: Expansion = self._fitted.expansion
         self.trials_ = self._fitted.trials
         return self
@@ -87,7 +82,7 @@ class PolynomialChaosRegressor(RegressorMixin, BaseEstimator):  # type: ignore[m
     @property
     def loo_error(self) -> float:
         """The mean square of the leave-one-out residuals as a fraction of the variance of y."""
-        return self._relative(self.loo_residuals)
+        return self.errors["leave-one-out"]
 
     @property
     def errors(self) -> Mapping[str, float]:
@@ -95,40 +90,10 @@ class PolynomialChaosRegressor(RegressorMixin, BaseEstimator):  # type: ignore[m
 
         `training` at the points, `leave-one-out`, and this `corrected` for the number of points, by which terms are chosen.
         """
-        loo = self.loo_error
-        corrected = self._fitted.corrected_error
-        return {"training": self._relative(self._fitted.residuals), "leave-one-out": loo, "corrected": corrected}
-
-    def _relative(self, residuals: FloatArray) -> float:
-        variance = float(np.var(self._values))
-        return float(np.mean(residuals**2)) / variance if variance > 0.0 else 0.0
-
-    def _vector(self, X: FloatArray) -> RandomVector:
-        if self.inputs is None:
-            return random_vector({f"x{k + 1}": _range_of(column) for k, column in enumerate(X.T)})
-        if self.inputs.dimension != X.shape[1]:
-            raise InputError(
-                f"PolynomialChaosRegressor.inputs: {X.shape[1]} columns were given for the {self.inputs.dimension} inputs "
-                f"{', '.join(self.inputs.names)}; give one for each, in this order"
-            )
-        return self.inputs
-
-    def _bases(self, vector: RandomVector) -> list[str]:
-        if isinstance(self.basis, str):
-            return [self.basis] * vector.dimension
-        unknown = [name for name in self.basis if name not in vector.names]
-        if unknown:
-            raise InputError(
-                f"PolynomialChaosRegressor.basis: {', '.join(unknown)} are not among the inputs {', '.join(vector.names)}"
-            )
-        return [self.basis.get(name, "own") for name in vector.names]
+        check_is_fitted(self)
+        return self._fitted.errors
 
     def _checked_parameters(self) -> PolynomialChaosParameters:
         values = {key: value for key, value in self.get_params(deep=False).items() if key not in ("inputs", "basis")}
         values["norms"] = np.ravel(values["norms"]).tolist()
         return make_parameters(PolynomialChaosParameters, values, "PolynomialChaosRegressor")
-
-
-def _range_of(column: FloatArray) -> Mapping[str, object] | Marginal:
-    low, high = float(column.min()), float(column.max())
-    return {"distribution": "uniform", "lower": low, "upper": high if high > low else low + 1.0}

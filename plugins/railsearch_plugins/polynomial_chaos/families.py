@@ -58,6 +58,10 @@ class Family:
         """The largest degree."""
         return len(self.a) - 1
 
+    def over(self, lower: float, span: float) -> "Family":
+        """The same polynomials in z = (t − lower)/span."""
+        return _affine_family(self.name, -lower / span, 1.0 / span, self.a, self.b)
+
     def values(self, x: ArrayLike, degree: int) -> FloatArray:
         """ψ_0 … ψ_p (p + 1, n) at x (n,)."""
         t = self.coordinate(np.asarray(x, dtype=float))

@@ -8,7 +8,7 @@
 """
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -17,6 +17,7 @@ from scipy.linalg import qr, solve_triangular
 from railsearch.errors import SurrogateError
 from railsearch.space import FloatArray
 
+from ..surrogate_data import relative_error
 from .active_set import EXACT, Candidates, SelectionPath
 from .expansion import Expansion, design_matrix
 from .families import Family
@@ -45,14 +46,25 @@ class FittedExpansion:
     """An expansion and what is known of it.
 
     leave_one_out: residuals (n,) of every value from a fit to the others with the same terms; corrected_error: ε, by which
-    the terms were chosen; trials: all sets that were searched.
+    the terms were chosen; variance: of the values; trials: all sets that were searched.
     """
 
     expansion: Expansion
     residuals: FloatArray
     leave_one_out: FloatArray
     corrected_error: float
+    variance: float
     trials: tuple[Trial, ...]
+
+    @property
+    def errors(self) -> Mapping[str, float]:
+        """Mean squared errors as fractions of the variance of the values.
+
+        `training` at the points, `leave-one-out`, and this `corrected` for the number of points, by which terms are chosen.
+        """
+        residuals = {"training": self.residuals, "leave-one-out": self.leave_one_out}
+        plain = {name: relative_error(errors, self.variance) for name, errors in residuals.items()}
+        return {**plain, "corrected": self.corrected_error}
 
 
 def fit_expansion(
@@ -139,7 +151,8 @@ class _Search:
         indices = self._with_constant(self.chosen)
         expansion = Expansion(self.families, indices, coefficients)
         error = self.error if np.isfinite(self.error) else 0.0
-        return FittedExpansion(expansion, residuals, residuals / left, error, tuple(self.trials))
+        variance = float(np.var(self.values))
+        return FittedExpansion(expansion, residuals, residuals / left, error, variance, tuple(self.trials))
 
     def _least_squares(self, chosen: IndexArray) -> tuple[FloatArray, FloatArray]:
         """Coefficients (k + 1,), of the constant first, and an orthonormal basis (n, k + 1) of the terms."""

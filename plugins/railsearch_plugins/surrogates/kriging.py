@@ -1,18 +1,24 @@
-"""Surrogate `kriging`: a Gaussian process with a trend, fitted by maximum likelihood or leave-one-out."""
+"""Surrogate `kriging`: a Gaussian process with a trend, on the unit cube or on random inputs in their own units."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from railsearch.distributions import RandomVector
 from railsearch.errors import InputError, SurrogateError
 from railsearch.hookspecs import Register, hookimpl
 from railsearch.interfaces import parameter
 from railsearch.space import FloatArray
 
 from ..gaussian_process.estimation import Hyperparameters, given_length_scales
-from ..gaussian_process.parameters import GaussianProcessParameters
+from ..gaussian_process.parameters import INPUT_BOUNDS, GaussianProcessParameters
+from ..gaussian_process.placement import PlacedProcess, Rounding
 from ..gaussian_process.process import GaussianProcess
 from ..gaussian_process.trend import DEGREES, PolynomialTrend
+from ..polynomial_chaos.coordinates import coordinates_over
+from ..polynomial_chaos.families import BASES, families
+from ..surrogate_data import checked_data
 
 
 @dataclass(frozen=True)
@@ -20,6 +26,12 @@ class KrigingParameters(GaussianProcessParameters):
     """What can be set of the surrogate."""
 
     trend: str = parameter("constant", meaning="trend under the process", source="Sacks et al. 1989", choices=tuple(DEGREES))
+    basis: str = parameter(
+        "own",
+        meaning="what random inputs are to the process: themselves, or ln x if lognormal (own), or Φ⁻¹(F(x)) (hermite)",
+        source="own choice",
+        choices=BASES,
+    )
     integer_steps: tuple[int, ...] = parameter(
         (),
         meaning="steps over the range by variable, to which inputs are rounded, 0 for a real one; if empty, all are real",
@@ -38,6 +50,8 @@ class KrigingParameters(GaussianProcessParameters):
 class Kriging:
     """Gaussian process with a trend and its standard deviation; adding a point costs O(n²) until the scales move.
 
+    On the unit cube of a search, or of random inputs in their own units (`for_inputs`): there it lives in the coordinates
+    of their polynomials, lognormal inputs in their logarithm, over the range of the points of the last fit.
     Source: Sacks et al. 1989; Dubrule 1983; Bachoc 2013; Garrido-Merchán and Hernández-Lobato 2020 for integers, which are
     rounded before anything else, so that the prediction is constant, and its gradient zero, between them.
     """
@@ -45,7 +59,7 @@ class Kriging:
     Parameters = KrigingParameters
     add_tolerance = 0.05
 
-    def __init__(self, dimension: int, parameters: KrigingParameters) -> None:
+    def __init__(self, dimension: int, parameters: KrigingParameters, inputs: RandomVector | None = None) -> None:
         if parameters.integer_steps and len(parameters.integer_steps) != dimension:
             raise InputError(
                 f"kriging: integer_steps needs one number for each of {dimension} variables (0 for a real one), received "
@@ -55,79 +69,96 @@ class Kriging:
             given_length_scales(parameters, dimension)
         self._dimension = dimension
         self._parameters = parameters
-        self._steps = np.array(parameters.integer_steps or [0] * dimension, dtype=float)
-        self._process = GaussianProcess(PolynomialTrend(DEGREES[parameters.trend]), parameters)
+        self._inputs = inputs
+        process = GaussianProcess(PolynomialTrend(DEGREES[parameters.trend]), parameters)
+        self._model = PlacedProcess(process, Rounding(np.array(parameters.integer_steps or [0] * dimension, dtype=float)))
         self._points = np.empty((0, dimension))
         self._values = np.empty(0)
         self._optimised = 0
 
+    @classmethod
+    def for_inputs(cls, inputs: RandomVector, parameters: KrigingParameters) -> "Kriging":
+        """The surrogate on points of these random inputs, in their own units. Raises InputError for `integer_steps`."""
+        if any(parameters.integer_steps):
+            raise InputError(
+                f"kriging: integer_steps are of the unit cube, and these inputs are continuous, received "
+                f"{list(parameters.integer_steps)}; leave them out"
+            )
+        bounds = parameters.length_scale_bounds or INPUT_BOUNDS
+        return cls(inputs.dimension, replace(parameters, length_scale_bounds=bounds), inputs)
+
     @property
     def process(self) -> GaussianProcess:
         """The Gaussian process itself: its hyperparameters, variance, nugget and leave-one-out residuals."""
-        return self._process
+        return self._model.process
+
+    @property
+    def errors(self) -> Mapping[str, float]:
+        """Mean squared errors as fractions of the variance of the values: `training`, `leave-one-out`."""
+        return self.process.errors
+
+    @property
+    def loo_error(self) -> float:
+        """The mean square of the leave-one-out residuals as a fraction of the variance of the values."""
+        return self.errors["leave-one-out"]
 
     def fit(self, points: FloatArray, values: FloatArray) -> None:
-        """Fit to points (n, d) of the unit cube with values (n,), the length scales searched from several starts.
+        """Fit to points (n, d) with values (n,), the length scales searched from several starts.
 
-        Raises SurrogateError for points of the wrong shape, too few for the trend, or values that are not finite.
+        Raises SurrogateError for points of the wrong shape, too few for the trend, or values that are not finite, InputError
+        for points that the inputs cannot have.
         """
         self._points, self._values = self._checked(points, values)
-        self._process.fit(self._points, self._values, np.random.default_rng(self._parameters.seed))
+        if self._inputs is not None and len(self._points):
+            bases = [self._parameters.basis] * self._dimension
+            chosen = families(self._inputs.marginals.values(), 1, bases)
+            self._model = PlacedProcess(self.process, coordinates_over(chosen, self._points))
+        self._model.fit(self._points, self._values, np.random.default_rng(self._parameters.seed))
         self._optimised = len(self._points)
 
     def add(self, points: FloatArray, values: FloatArray) -> None:
         """Add points (k, d) with values (k,): the length scales stay, or are optimised from where they are.
 
-        Raises SurrogateError as `fit`.
+        Raises SurrogateError and InputError as `fit`.
         """
-        if not self._process.fitted:
+        if not self.process.fitted:
             raise SurrogateError("kriging: the model is not fitted; call fit with the first points")
         points, values = self._checked(points, values)
         self._points, self._values = np.vstack([self._points, points]), np.append(self._values, values)
         if len(self._points) - self._optimised < self._parameters.reoptimise_every:
-            self._process.extend(points, values)
+            self._model.extend(points, values)
         else:
             self._reoptimise()
 
     def predict(self, points: FloatArray) -> FloatArray:
         """Predictions (k,) at points (k, d)."""
-        return self._process.predict(self._rounded(points))
+        return self._model.predict(points)
 
     def gradient(self, points: FloatArray) -> FloatArray:
         """Derivatives (k, d) of the prediction at points (k, d); zero by a rounded variable."""
-        return np.where(self._steps > 0.0, 0.0, self._process.gradient(self._rounded(points)))
+        return self._model.gradient(points)
+
+    def predict_with_gradient(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Predictions (k,) and their derivatives (k, d) at points (k, d), from one matrix of correlations."""
+        return self._model.predict_with_gradient(points)
 
     def deviation(self, points: FloatArray) -> FloatArray:
         """Standard deviations (k,) of the prediction at points (k, d), the uncertainty of the trend included."""
-        return self._process.deviation(self._rounded(points))
+        return self._model.deviation(points)
 
     def deviation_gradient(self, points: FloatArray) -> FloatArray:
         """Derivatives (k, d) of the standard deviation at points (k, d); zero by a rounded variable."""
-        return np.where(self._steps > 0.0, 0.0, self._process.deviation_gradient(self._rounded(points)))
+        return self._model.deviation_gradient(points)
 
     def _reoptimise(self) -> None:
-        last, parameters = self._process.hyperparameters, self._parameters
+        last, parameters = self.process.hyperparameters, self._parameters
         start = Hyperparameters(last.length_scales, last.nugget if parameters.estimate_nugget else parameters.nugget)
-        self._process.fit(self._points, self._values, np.random.default_rng(parameters.seed), start)
+        self._model.fit(self._points, self._values, np.random.default_rng(parameters.seed), start)
         self._optimised = len(self._points)
 
-    def _rounded(self, points: FloatArray) -> FloatArray:
-        points = np.atleast_2d(points)
-        whole = self._steps > 0.0
-        if not whole.any():
-            return points
-        return np.where(whole, np.round(points * self._steps) / np.where(whole, self._steps, 1.0), points)
-
     def _checked(self, points: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        points, values = np.array(points, dtype=float), np.array(values, dtype=float)
-        if points.ndim != 2 or points.shape[1] != self._dimension or values.shape != (len(points),):
-            raise SurrogateError(
-                f"kriging: points (n, {self._dimension}) and values (n,) are needed, received shapes {points.shape} and "
-                f"{values.shape}"
-            )
-        if not (np.isfinite(points).all() and np.isfinite(values).all()):
-            raise SurrogateError("kriging: finite points and values are needed; leave failed evaluations out of the fit")
-        return self._rounded(points), values
+        points, values = checked_data("kriging", self._dimension, points, values)
+        return points if self._inputs is None else self._inputs.checked(points), values
 
 
 @hookimpl

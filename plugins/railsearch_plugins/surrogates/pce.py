@@ -1,16 +1,20 @@
 """Surrogate `pce`: a sparse polynomial chaos expansion, on the unit cube or on random inputs in their own units."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
-from railsearch.distributions import RandomVector, random_vector
-from railsearch.errors import InputError, SurrogateError
+from railsearch.distributions import RandomVector
+from railsearch.errors import SurrogateError
 from railsearch.hookspecs import Register, hookimpl
 from railsearch.space import FloatArray
 
+from ..polynomial_chaos.coordinates import unit_cube
 from ..polynomial_chaos.expansion import Expansion
 from ..polynomial_chaos.families import families
 from ..polynomial_chaos.parameters import PolynomialChaosParameters
 from ..polynomial_chaos.search import FittedExpansion, fit_expansion
+from ..surrogate_data import checked_data
 
 
 class PolynomialChaos:
@@ -48,6 +52,16 @@ class PolynomialChaos:
         """The expansion itself. Raises SurrogateError before a fit."""
         return self.fitted.expansion
 
+    @property
+    def errors(self) -> Mapping[str, float]:
+        """Mean squared errors as fractions of the variance of the values: `training`, `leave-one-out`, `corrected`."""
+        return self.fitted.errors
+
+    @property
+    def loo_error(self) -> float:
+        """The mean square of the leave-one-out residuals as a fraction of the variance of the values."""
+        return self.errors["leave-one-out"]
+
     def fit(self, points: FloatArray, values: FloatArray) -> None:
         """Fit to points (n, d) with values (n,).
 
@@ -55,7 +69,7 @@ class PolynomialChaos:
         points that the inputs cannot have.
         """
         points, values = self._checked(points, values)
-        inputs = self._inputs or _unit_cube(self._dimension)
+        inputs = self._inputs or unit_cube(self._dimension)
         chosen = families(inputs.marginals.values(), self._parameters.degree, [self._parameters.basis] * self._dimension)
         self._fitted = fit_expansion(chosen, points, values, self._parameters)
         self._points, self._values = points, values
@@ -79,22 +93,8 @@ class PolynomialChaos:
         return self.expansion.predict_with_gradient(np.atleast_2d(points))
 
     def _checked(self, points: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        points, values = np.array(points, dtype=float), np.array(values, dtype=float)
-        if points.ndim != 2 or points.shape[1] != self._dimension or values.shape != (len(points),):
-            raise SurrogateError(
-                f"pce: points (n, {self._dimension}) and values (n,) are needed, received shapes {points.shape} and "
-                f"{values.shape}"
-            )
-        if not (np.isfinite(points).all() and np.isfinite(values).all()):
-            raise SurrogateError("pce: finite points and values are needed; leave failed evaluations out of the fit")
+        points, values = checked_data("pce", self._dimension, points, values)
         return points if self._inputs is None else self._inputs.checked(points), values
-
-
-def _unit_cube(dimension: int) -> RandomVector:
-    if dimension < 1:
-        raise InputError(f"pce: a dimension of 1 or more is needed, received {dimension}")
-    uniform = {"distribution": "uniform", "lower": 0.0, "upper": 1.0}
-    return random_vector({f"u{k + 1}": uniform for k in range(dimension)})
 
 
 @hookimpl

@@ -35,6 +35,7 @@ from railsearch.interfaces import parameter
 from railsearch.space import FloatArray
 
 from ..radial_basis.kernels import KERNELS, unisolvent_first
+from ..surrogate_data import checked_data
 
 CLOSEST = 1e-6
 """Points nearer to one another than this (unit cube) are duplicates: double precision cannot tell their kernels apart."""
@@ -87,7 +88,7 @@ class RadialBasisFunctionInterpolant:
         Raises SurrogateError for points of the wrong shape, too few or on a common hyperplane, nearer than 1e-6 to one
         another, or values that are not finite.
         """
-        points, values = self._checked(points, values)
+        points, values = checked_data("rbf", self._dimension, points, values)
         order = unisolvent_first(self._kernel.tail(points))
         leading, rest = order[: self._tail_size], order[self._tail_size :]
         self._order = order
@@ -101,7 +102,7 @@ class RadialBasisFunctionInterpolant:
     def add(self, points: FloatArray, values: FloatArray) -> None:
         """Add points (k, d) with values (k,) to a fitted interpolant at O(k n²). Raises SurrogateError as `fit`."""
         self._check_fitted()
-        self._extend(*self._checked(points, values))
+        self._extend(*checked_data("rbf", self._dimension, points, values))
         self._order = np.append(self._order, np.arange(len(self._order), len(self._points)))
 
     def predict(self, points: FloatArray) -> FloatArray:
@@ -281,17 +282,6 @@ class RadialBasisFunctionInterpolant:
     def _check_fitted(self) -> None:
         if not len(self._points):
             raise SurrogateError("rbf: the interpolant is not fitted; call fit with the first points")
-
-    def _checked(self, points: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        points, values = np.array(points, dtype=float), np.array(values, dtype=float)
-        if points.ndim != 2 or points.shape[1] != self._dimension or values.shape != (len(points),):
-            raise SurrogateError(
-                f"rbf: points (n, {self._dimension}) and values (n,) are needed, received shapes {points.shape} and "
-                f"{values.shape}"
-            )
-        if not (np.isfinite(points).all() and np.isfinite(values).all()):
-            raise SurrogateError("rbf: finite points and values are needed; leave failed evaluations out of the fit")
-        return points, values
 
     def _check_distances(self, points: FloatArray) -> None:
         everything = np.vstack([self._points, points])
