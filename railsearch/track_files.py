@@ -102,11 +102,10 @@ def _site(export: TrackExport, places: Mapping[str, str]) -> Iterator[str]:
         yield from (f"{kind} = {{ file = {toml_value(places[f'{part}.{kind}'])} }}" for kind in own)
     if export.factors:
         yield from ("", "[track.factors]", *(f"{part} = {factor!r}" for part, factor in export.factors.items()))
-        yield from ("", "# What a search may change, for instance:")
+        yield from ("", "# What a search may change, from a tenth of its value up to it; the bounds are yours to set.")
         for part, factor in export.factors.items():
-            yield f"# [design.variables.{part}]"
-            yield f"# lower = {toml_value(0.1 * factor)}"
-            yield f"# upper = {toml_value(factor)}"
+            bounds = (f"lower = {toml_value(0.1 * factor)}", f"upper = {toml_value(factor)}")
+            yield from (f"[design.variables.{part}]", *bounds)
     for section, values in export.settings.items():
         yield from ("", f"[track.{section}]")
         yield from (f"{name} = {toml_value(value)}" for name, value in values.items() if value is not None)
