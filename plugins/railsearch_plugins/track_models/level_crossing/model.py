@@ -1,12 +1,17 @@
 """The track model `level-crossing`: a passage over it, and what is measured."""
 
-from collections.abc import Sequence
-from typing import ClassVar
+from __future__ import annotations
 
-from railsearch.interfaces import Quantity, Response, TrackExport
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, ClassVar
+
+from railsearch.interfaces import Passage, Quantity, Response, TrackExport
 from railsearch_plugins.single_wheel import WHEEL_HISTORIES, WHEEL_METRICS
 from railsearch_plugins.track_models.level_crossing.checks import checked
 from railsearch_plugins.track_models.level_crossing.parameters import Geometry, LevelCrossingParameters
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 class LevelCrossing:
@@ -46,6 +51,12 @@ class LevelCrossing:
         simulated = passage.simulate_passage(sound)
         series = measures.make_histories(sound, simulated)
         return Response(measures.measure(sound, series), series if histories else {})
+
+    def figures(self, passages: Mapping[str, Passage], names: Sequence[str] = ()) -> Mapping[str, Figure]:
+        """`force`, `energy`, `acceleration`, `zone`; if asked for `energy-adjacent`. Raises InputError for other names."""
+        from railsearch_plugins.track_models.level_crossing.figures import crossing_figures
+
+        return crossing_figures(passages, names)
 
     def export(self, parameters: LevelCrossingParameters, parts: bool = False) -> TrackExport:
         """The track for `imported-track`; with `parts`, the pads next to the crossing apart, in MN/m. Raises InputError."""
