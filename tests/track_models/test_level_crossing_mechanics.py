@@ -36,7 +36,7 @@ def energy_ledger(parameters):
     All of the midpoint rule, which Newmark's method with β = 1/4 and γ = 1/2 is. The drive pushes the force over the
     slope of the rail and of the irregularity: −½ (F_n u_{n+1} + F_{n+1} u_n)·(N_{n+1} − N_n) − ½ (F_n + F_{n+1}) Δr.
     """
-    s = simulate_passage(parameters, states=True)
+    s = simulate_passage(parameters, kept=np.arange(wheel_positions(parameters).size))
     track, vehicle, run, dt = s.track, s.vehicle, s.passage, parameters.passage.time_step
     u, v, z, zv, force = (
         run.track_displacement,

@@ -86,7 +86,7 @@ TWINS = {
 def test_one_factorisation_equals_the_coupled_system_at_every_step(name):
     parameters, steps = TWINS[name]
     twin = coupled_twin.run(parameters, *ballast_values(parameters), file_profile, steps, 0.5 * parameters.bridge_length)
-    simulated = simulate_passage(parameters, states=True)
+    simulated = simulate_passage(parameters)
     fast = m.make_histories(simulated)
     count = twin.position.size
     np.testing.assert_allclose(simulated.axles[:count, 0], twin.position, rtol=0.0, atol=1e-9)

@@ -1,4 +1,7 @@
-"""The track model `level-crossing`: a passage over it, and what is measured."""
+"""The track model `level-crossing`: a passage over it, and what is measured.
+
+Compiled kernels, and what needs them, are loaded when used.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,6 @@ from typing import TYPE_CHECKING, ClassVar
 
 from railsearch.interfaces import Passage, Quantity, Response, TrackExport
 from railsearch_plugins.single_wheel import WHEEL_HISTORIES, WHEEL_METRICS
-from railsearch_plugins.track_models.level_crossing.checks import checked
 from railsearch_plugins.track_models.level_crossing.parameters import Geometry, LevelCrossingParameters
 
 if TYPE_CHECKING:
@@ -37,6 +39,8 @@ class LevelCrossing:
 
     def check(self, parameters: LevelCrossingParameters) -> None:
         """Raise InputError for parameters that are not allowed or do not fit together."""
+        from railsearch_plugins.track_models.level_crossing.checks import checked
+
         checked(parameters)
 
     def simulate(self, parameters: LevelCrossingParameters, histories: bool = False) -> Response:
@@ -45,9 +49,10 @@ class LevelCrossing:
         Returns the metrics, and with `histories` the histories of `LevelCrossing.histories`: (t,) for the wheel, (s,) for
         the sleepers. Raises InputError for parameters that are not allowed, SimulationError if the solution diverges.
         """
-        sound = checked(parameters)
-        from railsearch_plugins.track_models.level_crossing import measures, passage  # compiled kernels, loaded when used
+        from railsearch_plugins.track_models.level_crossing import measures, passage
+        from railsearch_plugins.track_models.level_crossing.checks import checked
 
+        sound = checked(parameters)
         simulated = passage.simulate_passage(sound)
         series = measures.make_histories(sound, simulated)
         return Response(measures.measure(sound, series), series if histories else {})
@@ -60,6 +65,7 @@ class LevelCrossing:
 
     def export(self, parameters: LevelCrossingParameters, parts: bool = False) -> TrackExport:
         """The track for `imported-track`; with `parts`, the pads next to the crossing apart, in MN/m. Raises InputError."""
+        from railsearch_plugins.track_models.level_crossing.checks import checked
         from railsearch_plugins.track_models.level_crossing.export import exported
 
         return exported(checked(parameters), parts)

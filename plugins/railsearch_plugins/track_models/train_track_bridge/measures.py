@@ -18,8 +18,7 @@ from railsearch_plugins.track_models.train_track_bridge.layout import ROUNDING, 
 from railsearch_plugins.track_models.train_track_bridge.parameters import ALL, TrainTrackBridgeParameters
 from railsearch_plugins.track_models.train_track_bridge.passage import Simulated
 from railsearch_plugins.track_models.train_track_bridge.ride_comfort import ride_comfort_index
-
-BODIES = 6
+from railsearch_plugins.track_models.train_track_bridge.snapshot import BODIES, snapshot_histories
 
 
 def make_histories(simulated: Simulated) -> dict[str, FloatArray]:
@@ -43,6 +42,7 @@ def make_histories(simulated: Simulated) -> dict[str, FloatArray]:
         "bridge_position": layout.bridge_nodes,
         "bridge_deflection_max": np.where(bridge < 0, 0.0, passage.highest[bridge]),
         "bridge_acceleration_max": np.where(bridge < 0, 0.0, passage.largest_acceleration[bridge]),
+        **snapshot_histories(simulated),
     }
     for name, values in histories.items():
         if not np.isfinite(values).all():
