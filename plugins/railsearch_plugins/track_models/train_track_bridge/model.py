@@ -3,11 +3,16 @@
 Compiled kernels, and what needs them, are loaded when used.
 """
 
-from collections.abc import Sequence
-from typing import ClassVar
+from __future__ import annotations
 
-from railsearch.interfaces import Quantity, Response
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, ClassVar
+
+from railsearch.interfaces import Passage, Quantity, Response
 from railsearch_plugins.track_models.train_track_bridge.parameters import TrainTrackBridgeParameters
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 class TrainTrackBridge:
@@ -79,3 +84,9 @@ class TrainTrackBridge:
         simulated = passage.simulate_passage(sound)
         series = measures.make_histories(simulated)
         return Response(measures.measure(sound, simulated, series), series if histories else {})
+
+    def figures(self, passages: Mapping[str, Passage], names: Sequence[str] = ()) -> Mapping[str, Figure]:
+        """`snapshot`, `force`, `histories` and `envelopes`. Raises InputError for other names."""
+        from railsearch_plugins.track_models.train_track_bridge.figures import bridge_figures
+
+        return bridge_figures(passages, names)
