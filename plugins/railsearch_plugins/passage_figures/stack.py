@@ -9,7 +9,8 @@ from matplotlib.figure import Figure
 
 from railsearch_plugins.passage_figures.panels import BOTTOM, LEFT, NORMAL, RIGHT, SMALL, TITLE, TOP, WIDTH
 
-GAP = 0.22
+GAP = 0.36
+ABOVE = 1.02
 
 
 @dataclass(frozen=True)
@@ -42,19 +43,26 @@ def new_stack(title: str, place: str, quantities: Sequence[str], panel_height: f
 
 
 def name_panel(axes: Axes, name: str) -> None:
-    """Words in the upper left corner of a panel."""
-    axes.text(0.008, 0.95, name, transform=axes.transAxes, fontsize=SMALL, va="top", zorder=6, bbox=BEHIND_WORDS)
+    """Words above a panel, on its left."""
+    axes.text(0.0, ABOVE, name, transform=axes.transAxes, fontsize=SMALL, va="bottom")
 
 
 def add_values(axes: Axes) -> None:
-    """The labels of a panel's curves and marks in its upper right corner."""
-    legend = axes.legend(loc="upper right", ncols=3, fontsize=SMALL, frameon=True, borderaxespad=0.2, borderpad=0.2)
-    legend.get_frame().set(facecolor="white", edgecolor="none", alpha=0.75)
+    """The labels of a panel's curves and marks above it, on its right."""
+    axes.legend(
+        loc="lower right",
+        bbox_to_anchor=(1.0, 1.0),
+        ncols=4,
+        fontsize=SMALL,
+        frameon=False,
+        borderaxespad=0.1,
+        borderpad=0.1,
+    )
 
 
 def add_legend(made: Stack, handles: Mapping[str, Artist]) -> None:
     """A legend of labelled artists, in one line beside the title."""
-    place = 1.0 - RIGHT / WIDTH, 1.0 - 0.42 / made.figure.get_figheight()
+    place = 1.0 - RIGHT / WIDTH, 1.0 - 0.29 / made.figure.get_figheight()
     made.figure.legend(
         list(handles.values()),
         list(handles),
@@ -65,6 +73,3 @@ def add_legend(made: Stack, handles: Mapping[str, Artist]) -> None:
         frameon=False,
         borderaxespad=0.0,
     )
-
-
-BEHIND_WORDS = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 1.5}

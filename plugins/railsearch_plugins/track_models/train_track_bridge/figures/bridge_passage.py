@@ -15,7 +15,6 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from railsearch.space import FloatArray
-from railsearch_plugins.passage_figures.panels import SMALL
 from railsearch_plugins.passage_figures.passage import DrawnPassage
 from railsearch_plugins.track_models.train_track_bridge.assembly import make_train
 from railsearch_plugins.track_models.train_track_bridge.measures import (
@@ -86,9 +85,6 @@ def shade_bridge(panels: Sequence[Axes], span: float) -> None:
         axes.axvspan(0.0, span, facecolor=BRIDGE, edgecolor="none", zorder=0, label="_bridge")
 
 
-def shade_named_bridge(panels: Sequence[Axes], span: float) -> None:
-    """As `shade_bridge`, named above the first panel."""
-    shade_bridge(panels, span)
-    left, right = panels[0].get_xlim()
-    middle, above = 0.5 * (max(left, 0.0) + min(right, span)), panels[0].get_xaxis_transform()
-    panels[0].text(middle, 1.02, f"bridge, {span:g} m", transform=above, ha="center", va="bottom", fontsize=SMALL)
+def with_bridge(place: str, passages: Sequence[BridgePassage]) -> str:
+    """The name of a horizontal axis, with what is shaded."""
+    return f"{place}; shaded: the bridge, {passages[0].span:g} m"

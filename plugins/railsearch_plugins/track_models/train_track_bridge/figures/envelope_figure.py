@@ -12,7 +12,8 @@ from railsearch_plugins.track_models.train_track_bridge.figures.bridge_passage i
     ALONG,
     MILLI,
     BridgePassage,
-    shade_named_bridge,
+    shade_bridge,
+    with_bridge,
 )
 
 PANEL = 1.45
@@ -28,7 +29,7 @@ NAMES = [
 
 def envelope_figure(passages: Sequence[BridgePassage]) -> Figure:
     """Deflection and acceleration of the bridge, acceleration of every sleeper, lowest and highest rail."""
-    made = new_stack("Largest values along the track", ALONG, QUANTITIES, PANEL)
+    made = new_stack("Largest values along the track", with_bridge(ALONG, passages), QUANTITIES, PANEL)
     deflection, acceleration, sleepers, rail = made.panels
     for passage in passages:
         _draw_bridge(deflection, passage, passage.history("bridge_deflection_max") / MILLI, "mm")
@@ -37,14 +38,14 @@ def envelope_figure(passages: Sequence[BridgePassage]) -> Figure:
         _draw_rail(rail, passage)
     made.panels[0].set_xlim(*_limits(passages))
     for axes, name in zip(made.panels, NAMES, strict=True):
-        axes.margins(y=0.18)
+        axes.margins(y=0.1)
         name_panel(axes, name)
         add_values(axes)
     for axes in (acceleration, sleepers):
         axes.set_ylim(bottom=0.0)
     for axes in (deflection, rail):
         axes.invert_yaxis()
-    shade_named_bridge(made.panels, passages[0].span)
+    shade_bridge(made.panels, passages[0].span)
     add_legend(made, {passage.label: Line2D([], [], color=passage.colour, lw=1.5) for passage in passages})
     made.figure.set_label(
         "Envelopes of the measured run along the track: largest deflection and acceleration of the bridge, largest "
@@ -56,14 +57,14 @@ def envelope_figure(passages: Sequence[BridgePassage]) -> Figure:
 
 def _draw_bridge(axes: Axes, passage: BridgePassage, values: FloatArray, unit: str) -> None:
     """Values (b,) at the nodes of the bridge, the largest of them as the label."""
-    label = f"{values.max():.3f} {unit}"
+    label = f"{values.max():.4g} {unit}"
     axes.plot(passage.history("bridge_position"), values, color=passage.colour, lw=1.3, label=label)
 
 
 def _draw_sleepers(axes: Axes, passage: BridgePassage) -> None:
     """Measured sleepers filled, the others hollow."""
     position, value = passage.history("sleeper_position"), passage.history("sleeper_acceleration_max")
-    measured, label = passage.measured_sleepers, f"A_s {passage.response.metrics['A_s']:.3f} m/s²"
+    measured, label = passage.measured_sleepers, f"A_s {passage.response.metrics['A_s']:.4g} m/s²"
     for mask, face, name in ((measured, passage.colour, label), (~measured, "white", f"_{passage.label}, not measured")):
         axes.plot(
             position[mask],
@@ -81,7 +82,7 @@ def _draw_rail(axes: Axes, passage: BridgePassage) -> None:
     """The band between the highest and the lowest rail."""
     position = passage.history("rail_position")
     lowest, highest = passage.history("rail_lowest") / MILLI, -passage.history("rail_highest") / MILLI
-    label = f"U_r {passage.response.metrics['U_r'] / MILLI:.3f} mm"
+    label = f"U_r {passage.response.metrics['U_r'] / MILLI:.4g} mm"
     axes.plot(position, lowest, color=passage.colour, lw=1.1, label=label)
     axes.plot(position, highest, color=passage.colour, lw=1.1, label=f"_{passage.label}, highest")
     axes.fill_between(position, highest, lowest, color=passage.colour, alpha=0.08, lw=0.0)

@@ -17,7 +17,8 @@ from railsearch_plugins.track_models.train_track_bridge.figures.bridge_passage i
     FIRST_AXLE,
     MILLI,
     BridgePassage,
-    shade_named_bridge,
+    shade_bridge,
+    with_bridge,
 )
 
 FORCE_PANEL, HISTORY_PANEL = 1.55, 1.25
@@ -29,7 +30,9 @@ STATIC: Mapping[str, Any] = MappingProxyType({"color": "#555555", "lw": 0.9, "ls
 def contact_force_figure(passages: Sequence[BridgePassage]) -> Figure:
     """Contact force in kN of every axle over the position of the first one, a panel for each vehicle."""
     count = max(passage.vehicles for passage in passages)
-    made = new_stack("Contact force of every axle", FIRST_AXLE, ["Contact force [kN]"] * count, FORCE_PANEL)
+    made = new_stack(
+        "Contact force of every axle", with_bridge(FIRST_AXLE, passages), ["Contact force [kN]"] * count, FORCE_PANEL
+    )
     for axes in made.panels[1:]:
         axes.sharey(made.panels[0])
     for passage in passages:
@@ -50,7 +53,7 @@ def histories_figure(passages: Sequence[BridgePassage]) -> Figure:
     """Acceleration of every carbody, deflection of the deck, and the irregularity under the first wheel."""
     count = max(passage.vehicles for passage in passages)
     quantities = ["Acceleration [m/s²]"] * count + ["Deflection [mm]", "Height [mm]"]
-    made = new_stack("Carbodies, deck and irregularity", FIRST_AXLE, quantities, HISTORY_PANEL)
+    made = new_stack("Carbodies, deck and irregularity", with_bridge(FIRST_AXLE, passages), quantities, HISTORY_PANEL)
     for axes in made.panels[1:count]:
         axes.sharey(made.panels[0])
     for passage in passages:
@@ -88,13 +91,13 @@ def _draw_forces(made: Stack, passage: BridgePassage, alone: bool) -> None:
     for marker, place in (("v", np.nanargmax(measured)), ("^", np.nanargmin(measured))):
         step, axle = map(int, np.unravel_index(place, force.shape))
         axes, value = made.panels[axle // AXLES], float(force[step, axle])
-        _mark(axes, passage, (float(front[step]), value), marker, f"{value:.2f} kN")
+        _mark(axes, passage, (float(front[step]), value), marker, f"{value:.4g} kN")
         add_values(axes)
 
 
 def _draw_carbodies(panels: Sequence[Axes], passage: BridgePassage) -> None:
     for number, index in enumerate(passage.comfort):
-        acceleration, label = passage.history("carbody_acceleration")[:, number], f"W_z {index:.3f}"
+        acceleration, label = passage.history("carbody_acceleration")[:, number], f"W_z {index:.4g}"
         panels[number].plot(passage.first_axle, acceleration, color=passage.colour, lw=1.1, label=label)
         add_values(panels[number])
 
@@ -103,7 +106,7 @@ def _draw_deck(axes: Axes, passage: BridgePassage) -> None:
     deflection = passage.history("deck_deflection") / MILLI
     axes.plot(passage.first_axle, deflection, color=passage.colour, lw=1.1, label=f"_{passage.label}")
     largest, value = int(np.argmax(deflection)), passage.response.metrics["U_d"] / MILLI
-    _mark(axes, passage, (float(passage.first_axle[largest]), float(deflection[largest])), "^", f"U_d {value:.3f} mm")
+    _mark(axes, passage, (float(passage.first_axle[largest]), float(deflection[largest])), "^", f"U_d {value:.4g} mm")
     add_values(axes)
 
 
@@ -117,8 +120,8 @@ def _close(made: Stack, passages: Sequence[BridgePassage]) -> None:
     fronts = [passage.first_axle for passage in passages]
     made.panels[0].set_xlim(min(float(front[0]) for front in fronts), max(float(front[-1]) for front in fronts))
     for axes in made.panels:
-        axes.margins(y=0.15)
-    shade_named_bridge(made.panels, passages[0].span)
+        axes.margins(y=0.08)
+    shade_bridge(made.panels, passages[0].span)
 
 
 def _force_keys(passages: Sequence[BridgePassage]) -> dict[str, Artist]:

@@ -14,6 +14,7 @@ from railsearch_plugins.track_models.train_track_bridge.figures.bridge_passage i
     MILLI,
     BridgePassage,
     shade_bridge,
+    with_bridge,
 )
 from railsearch_plugins.track_models.train_track_bridge.figures.snapshot_drawing import (
     BENCH,
@@ -115,7 +116,8 @@ def _draw_block(figure: Figure, scene: Scene, top: float, drawing: float) -> Non
     axes.set_aspect("equal")
     draw_scene(axes, scene)
     size = LEFT / WIDTH, (foot - GAP - CURVES) / height, width / WIDTH, CURVES / height
-    _draw_curves(figure.add_axes(size, sharex=axes), scene)
+    first = figure.axes[1] if len(figure.axes) > 1 else None
+    _draw_curves(figure.add_axes(size, sharex=axes, sharey=first), scene)
 
 
 def _draw_curves(axes: Axes, scene: Scene) -> None:
@@ -136,9 +138,9 @@ def _draw_curves(axes: Axes, scene: Scene) -> None:
     axes.plot(sleepers[off], ballast, "^", color=BALLAST, markersize=2.5, label="ballast beside the bridge")
     axes.plot(passage.history("bridge_position"), bridge, color=BRIDGE, lw=1.8, label="bridge")
     shade_bridge([axes], passage.span)
-    axes.invert_yaxis()
+    axes.yaxis.set_inverted(True)
     axes.set_ylabel("Displacement [mm]", fontsize=SMALL)
-    axes.set_xlabel(ALONG, fontsize=NORMAL, labelpad=1)
+    axes.set_xlabel(with_bridge(ALONG, [passage]), fontsize=NORMAL, labelpad=1)
     axes.tick_params(labelsize=SMALL)
     axes.grid(axis="y", color="#E3E3E3", lw=0.6)
     axes.set_axisbelow(True)
@@ -153,7 +155,7 @@ def _moment(scene: Scene) -> str:
 def _caption(scenes: Sequence[Scene]) -> str:
     moments = "; ".join(f"{scene.passage.label}: {_moment(scene)}" for scene in scenes)
     return (
-        f"The train, to scale in length and height, and all displacements {scenes[0].factor:g} times as large: of track and "
+        f"The train, to scale in length and height and running to the right, with all displacements {scenes[0].factor:g} times as large: of track and "
         "bridge from where they are without a train, of the vehicles from where they would stand on that track with its "
         "irregularity (carbodies: dotted). Heights of vehicles, sleepers, ballast and girder are usual ones. Below, the "
         f"displacements themselves, downward. {moments}."
