@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -259,12 +259,16 @@ class DrawnTrackModel(TrackModel, Protocol):
 
 def passage_figures(model: TrackModel, parameters: Mapping[str, Any], names: Sequence[str] = ()) -> Mapping[str, Figure]:
     """The figures of a track model for labelled parameters, each simulated once; none if the model does not draw."""
-    draw = getattr(model, "figures", None)
-    if draw is None:
+    drawing = drawing_model(model)
+    if drawing is None:
         return {}
     simulated = {label: Passage(track, model.simulate(track, histories=True)) for label, track in parameters.items()}
-    figures: Mapping[str, Figure] = draw(simulated, names)
-    return figures
+    return drawing.figures(simulated, names)
+
+
+def drawing_model(model: TrackModel) -> DrawnTrackModel | None:
+    """The model itself, if it draws its passages."""
+    return cast(DrawnTrackModel, model) if hasattr(model, "figures") else None
 
 
 @dataclass(frozen=True)

@@ -156,7 +156,7 @@ def _caption(scenes: Sequence[Scene]) -> str:
     moments = "; ".join(f"{scene.passage.label}: {_moment(scene)}" for scene in scenes)
     return (
         "The train, to scale in length and height and running to the right, with all displacements "
-        f"{scenes[0].factor:g} times as large: of track and bridge from where they are without a train, of the vehicles from "
-        "where they would stand on that track with its irregularity (carbodies: dotted). Heights of vehicles, sleepers, "
-        f"ballast and girder are usual ones. Below, the displacements themselves, downward. {moments}."
+        f"{scenes[0].factor:g} times as large: of track and bridge from where they are without a train, of the vehicles "
+        "from where they would stand on that track with its irregularity (carbodies: dotted). Heights of vehicles, "
+        f"sleepers, ballast and girder are usual ones. Below, the displacements themselves, downward. {moments}."
     )
