@@ -17,7 +17,8 @@ def check_track_model(plugin: Any, settings: Mapping[str, object] | None = None)
 
     What it returns is what it announces: metrics and histories by name, finite numbers; the same passage gives the same
     numbers to the last bit, with histories or without; parameters are described and are left as they were; one that draws
-    its passages draws the figures asked for, with captions, and refuses others. What a model conserves, its symmetry and its rates of convergence are its own tests'.
+    its passages draws the figures asked for, with captions, and refuses others. What a model conserves, its symmetry and its
+    rates of convergence are its own tests'.
     Raises AssertionError with what is wrong.
     """
     parameters = make_parameters(plugin.Parameters, settings or {}, "settings")

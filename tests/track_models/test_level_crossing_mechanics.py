@@ -197,3 +197,16 @@ def test_passage_starts_in_equilibrium():
     assert histories["wheel_rail_force"][0] == 50e3
     assert abs(histories["carbody_acceleration"][0]) < 1e-15
     assert histories["rail_displacement"][0] == 0.0
+
+
+def test_track_states_are_kept_at_the_steps_asked_for_and_change_nothing():
+    parameters = short_crossing()
+    steps = np.arange(wheel_positions(parameters).size)
+    some = np.array([0, 7, steps[-1]])
+    none, few, every = (simulate_passage(parameters, kept=kept).passage for kept in (steps[:0], some, steps))
+    np.testing.assert_array_equal(few.track_displacement, every.track_displacement[some])
+    np.testing.assert_array_equal(few.track_velocity, every.track_velocity[some])
+    assert none.track_displacement.shape == (0, every.track_displacement.shape[1])
+    assert np.ptp(few.track_displacement[1]) > 0.0
+    for passage in (none, few):
+        np.testing.assert_array_equal(passage.force, every.force)
