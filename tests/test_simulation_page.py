@@ -14,7 +14,7 @@ import pytest
 from command_line import Answer
 from html_page import Page
 from railsearch.hookspecs import Register, hookimpl
-from railsearch.interfaces import NoParameters, Passage, Quantity, Response, parameter
+from railsearch.interfaces import NoParameters, Passage, Quantity, Response, drawing_model, parameter, passage_figures
 from railsearch.plugin_manager import Entry, Provenance
 from railsearch.report.history_plots import history_figures
 from railsearch.report.simulation_page import shown, simulation_page
@@ -160,6 +160,12 @@ def test_a_model_that_does_not_draw_has_plain_plots_of_what_it_returns_over_time
 )
 def test_without_histories_over_time_there_are_no_plots(histories: Mapping[str, Any]) -> None:
     assert history_figures(Undrawn.histories, histories) == {}
+
+
+def test_it_is_not_simulated_for_pictures_that_it_does_not_draw() -> None:
+    model = Undrawn(extent=-1)
+    assert drawing_model(model) is None
+    assert passage_figures(model, {"one": "no parameters at all"}) == {}
 
 
 @pytest.mark.parametrize(("returned", "pictures"), [(True, 1), (False, 0)])
