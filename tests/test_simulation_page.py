@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
+from browser import browsing
 from command_line import Answer
 from html_page import Page
 from railsearch.hookspecs import Register, hookimpl
@@ -225,3 +226,20 @@ def test_nothing_to_set_is_no_fault() -> None:
     passage = Passage(NoParameters(), Response({"F": 1.0}))
     text = simulation_page(entry, model_without, passage, "")  # type: ignore[arg-type]
     assert "All 0 parameters" in text
+
+
+@pytest.mark.system
+@pytest.mark.xdist_group("campaign-page")
+def test_the_page_fits_a_desk_and_a_phone(railsearch: Cli, tmp_path: Path) -> None:
+    report = tmp_path / "page.html"
+    assert railsearch("simulate", "train-track-bridge", *SHORT, "--report", report).code == 0
+    with browsing(tmp_path / "profile") as browser:
+        for width in (1280, 400):
+            browser.open(report, width)
+            assert browser.value("document.documentElement.scrollWidth") <= width
+            assert browser.value("document.querySelector('details').open") is False
+            browser.click("summary")
+            assert browser.value("document.querySelector('details').open") is True
+            assert browser.value("document.documentElement.scrollWidth") <= width
+        assert browser.complaints == []
+        assert set(browser.requests) == {report.resolve().as_uri()}
