@@ -1,16 +1,21 @@
 """What the problems on a train-track-bridge system share: criteria, what is recorded beside them, passages."""
 
+from __future__ import annotations
+
 import dataclasses
-from collections.abc import Sequence
-from typing import Any, ClassVar
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from railsearch.design_problem import DesignProblem
 from railsearch.errors import InputError
-from railsearch.interfaces import Outcome, Quantity, TrackModel
+from railsearch.interfaces import Outcome, Quantity, TrackModel, passage_figures
 from railsearch.space import FloatArray
 from railsearch_problems.crossing_designs import check_corners, chosen_objectives
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 TRACK_MODEL = "train-track-bridge"
 CRITERIA: Sequence[Quantity] = (
@@ -53,6 +58,10 @@ class BridgeProblem(DesignProblem):
             np.array([objective.sign * measured[objective.name] for objective in self.objectives]),
             {metric.name: float(metric.sign * measured[metric.name]) for metric in self.metrics},
         )
+
+    def figures(self, designs: Mapping[str, FloatArray]) -> Mapping[str, Figure]:
+        """The track model's pictures of labelled designs."""
+        return passage_figures(self.model, {label: self.parameters(design) for label, design in designs.items()})
 
 
 def chosen_criteria(names: Sequence[str], maximised: bool = False) -> list[Quantity]:

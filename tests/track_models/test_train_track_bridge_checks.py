@@ -41,6 +41,11 @@ NOT_ALLOWED = [
     ({"irregularity_file": str(PROFILE), "start_position": -60.0}, "must cover the run of all axles from -131.56 to"),
     ({"start_position": 1.0}, "start_position: the first axle must start before the bridge"),
     ({"end_position": -5.0}, "end_position: the first axle must reach the bridge"),
+    (
+        {"snapshot_time": 6.0},
+        "snapshot_time: the snapshot must lie within the run, which takes 5.057 s, received 6.0 s; give an earlier time",
+    ),
+    ({"snapshot_time": -1.0}, "snapshot_time: allowed is ≥ 0, received -1.0 s"),
     ({"time_step": 0.1}, "time_step: the train may advance by no more than the sleeper spacing of 0.6 m in a step"),
     ({"time_step": 1e-9}, "time_step: the run would take"),
     ({"bridge_length": 1e6}, "the most"),

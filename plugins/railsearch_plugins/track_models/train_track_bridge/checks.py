@@ -101,6 +101,14 @@ def _check_run(parameters: TrainTrackBridgeParameters) -> None:
         "start earlier",
     )
     _require(end > 0.0, "end_position", "the first axle must reach the bridge", f"{end:g} m", "let the run end later")
+    duration, time = (end - start) / parameters.speed, parameters.snapshot_time
+    _require(
+        time is None or time <= duration * (1.0 + ROUNDING),
+        "snapshot_time",
+        f"the snapshot must lie within the run, which takes {duration:.4g} s",
+        f"{time} s",
+        "give an earlier time or leave it out",
+    )
 
 
 def _check_speed(parameters: TrainTrackBridgeParameters) -> None:

@@ -177,5 +177,12 @@ class TrainTrackBridgeParameters:
     sleeper_margin: float = parameter(
         20.0, unit="m", meaning="how far from the bridge sleepers are measured", source="chosen", minimum=0.0
     )
+    snapshot_time: float | None = parameter(
+        None,
+        unit="s",
+        meaning="time of the snapshot among the histories; not given: the middle of the train at midspan",
+        source="chosen",
+        minimum=0.0,
+    )
     vehicle: Vehicle = Vehicle()
     rail: Rail = Rail()
