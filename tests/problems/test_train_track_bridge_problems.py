@@ -133,3 +133,12 @@ def test_sampled_from_the_command_line(railsearch, tmp_path):
     levels = made.distributions.marginals["bridge_modulus"].cdf(inputs["bridge_modulus"])
     np.testing.assert_array_equal(np.sort(np.floor(40 * levels)), np.arange(40))
     assert levels.min() < 0.025 < 0.975 < levels.max()
+
+
+def test_designs_are_drawn_beside_one_another():
+    made = problem(DESIGNS)
+    other = made.reference * [0.5, 1.0, 1.1]
+    figures = made.figures({"reference": made.reference, "best": other})
+    assert {"snapshot", "force", "histories", "envelopes"} == set(figures)
+    words = {text.get_text() for text in figures["histories"].findobj() if hasattr(text, "get_text")}
+    assert {"reference", "best"} <= words
