@@ -27,7 +27,7 @@ CRITERIA: Sequence[Quantity] = (
 FURTHER: Sequence[Quantity] = (
     Quantity("carbody_acceleration_max", "m/s²", "largest acceleration at the centre of a carbody"),
     Quantity("contact_force_max", "N", "largest force under a wheel on the bridge"),
-    Quantity("contact_force_min", "N", "smallest force under a wheel on the bridge"),
+    Quantity("contact_force_min", "N", "smallest force under a wheel on the bridge", maximised=True),
     Quantity("bridge_acceleration_max", "m/s²", "largest vertical acceleration of the bridge"),
 )
 
@@ -62,6 +62,11 @@ class BridgeProblem(DesignProblem):
     def figures(self, designs: Mapping[str, FloatArray]) -> Mapping[str, Figure]:
         """The track model's pictures of labelled designs."""
         return passage_figures(self.model, {label: self.parameters(design) for label, design in designs.items()})
+
+
+def extremes(quantities: Sequence[Quantity], largest: bool) -> list[Quantity]:
+    """Quantities with what is worst for the track as what is wanted, or, unless `largest`, what is best."""
+    return [dataclasses.replace(quantity, maximised=quantity.maximised != largest) for quantity in quantities]
 
 
 def chosen_criteria(names: Sequence[str], maximised: bool = False) -> list[Quantity]:

@@ -25,8 +25,8 @@ NOT_ALLOWED = [
     ({"ballast_damping": -1.0}, "ballast_damping: allowed is ≥ 0"),
     ({"bridge_damping": -0.01}, "bridge_damping: allowed is ≥ 0 and < 1"),
     ({"bridge_damping": 2.0}, "bridge_damping: allowed is ≥ 0 and < 1, received 2.0"),
-    ({"ballast_angle": 0.0}, "ballast_angle: allowed is > 0 and < 90"),
-    ({"ballast_angle": 90.0}, "ballast_angle: allowed is > 0 and < 90"),
+    ({"ballast_angle": 0.0}, "ballast_angle: allowed is > 0 and ≤ 60"),
+    ({"ballast_angle": 89.0}, "ballast_angle: allowed is > 0 and ≤ 60"),
     ({"vehicles": 0}, "vehicles: allowed is ≥ 1"),
     (
         {"irregularity_spectrum": "chinese"},
@@ -39,7 +39,8 @@ NOT_ALLOWED = [
     ({"irregularity_shortest": 0.05}, "irregularity_shortest: waves shorter than two steps of the train"),
     ({"irregularity_file": "no-such-file.csv"}, "irregularity_file: no-such-file.csv: cannot be read"),
     ({"irregularity_file": str(PROFILE), "start_position": -60.0}, "must cover the run of all axles from -131.56 to"),
-    ({"start_position": 1.0}, "start_position: the first axle must start before the bridge"),
+    ({"start_position": 1.0}, "start_position: allowed is ≤ 0, received 1.0 m"),
+    ({"vehicles": 16}, "irregularity_period: a generated profile must not repeat under the train: its axles run over"),
     ({"end_position": -5.0}, "end_position: the first axle must reach the bridge"),
     (
         {"snapshot_time": 6.0},
@@ -69,7 +70,9 @@ def test_parameters_that_are_not_allowed(changes, message):
         ("1 2 3\n4 5 6\n7 8 9\n1 2 3\n", "two columns"),
         ("0,0\n1,0\n", "four or more"),
         ("0 0\n2 0\n1 0\n3 0\n", "positions must ascend, received 1 m after 2 m"),
-        ("position,height\n0,0\n", "two columns of numbers"),
+        ("position,height\n0,0\n", "four or more"),
+        ("0 0\n1 x\n2 0\n3 0\n", "two columns of numbers"),
+        ("-200 0\n0 0.9\n50 -0.4\n300 0\n", "heights must be in m and not above 0.2 m, received 0.9 m; divide them by 1000"),
         ("0 0\n1 nan\n2 0\n3 0\n", "finite positions and heights"),
     ],
 )

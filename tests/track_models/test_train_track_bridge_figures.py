@@ -94,12 +94,16 @@ def test_static_load_and_extreme_forces_are_marked(responses, both):
             assert marked[f"{value:.4g} kN"].get_ydata()[0] == pytest.approx(value)
 
 
-def test_the_bridge_is_shaded_from_support_to_support(both):
-    for name in ("force", "histories", "envelopes"):
-        for axes in both[name].axes:
-            (shade,) = artists(axes, "_bridge")
-            assert (shade.get_x(), shade.get_width()) == (0.0, pytest.approx(SPAN))
-            assert "the bridge, 9 m" in both[name].axes[-1].get_xlabel()
+def test_the_bridge_is_shaded_where_what_is_shown_is_on_it(both):
+    """The last axle of a vehicle is 21.56 m behind its first, the second vehicle 25 m behind the first one."""
+    behind, second = 2.0 * (9.5 + 1.28), 25.0
+    one, two = (0.0, SPAN + behind), (second, second + SPAN + behind)
+    ends = {"envelopes": [(0.0, SPAN)] * 4, "force": [one, two], "histories": [one, two, (0.0, two[1]), (0.0, SPAN)]}
+    for name, expected in ends.items():
+        shades = [artists(axes, "_bridge")[0] for axes in both[name].axes]
+        found = [(shade.get_x(), shade.get_x() + shade.get_width()) for shade in shades]
+        np.testing.assert_allclose(found, expected, atol=1e-9)
+    assert "the bridge, 9 m" in both["envelopes"].axes[-1].get_xlabel()
 
 
 def test_carbodies_have_their_accelerations_and_comfort(responses, both):

@@ -59,6 +59,12 @@ class BridgePassage(DrawnPassage):
         return float(make_train(self.track).static_load[0])
 
     @property
+    def behind(self) -> FloatArray:
+        """How far each axle (w,) is behind the first, in m."""
+        first = self.history("axle_position")[0]
+        return np.asarray(first[0] - first)
+
+    @property
     def on_bridge(self) -> NDArray[np.bool_]:
         """Mask (t, w) of the wheels whose forces are measured: those on the bridge."""
         return wheels_on_bridge(self.track, self.history("axle_position"), self.span)
@@ -79,10 +85,10 @@ class BridgePassage(DrawnPassage):
         return int(np.argmin(np.abs(self.history("time") - self.history("snapshot_time")[0])))
 
 
-def shade_bridge(panels: Sequence[Axes], span: float) -> None:
-    """The bridge behind curves, from support to support."""
+def shade_bridge(panels: Sequence[Axes], start: float, end: float) -> None:
+    """The bridge behind curves: from support to support, or where the first axle is while others are on it."""
     for axes in panels:
-        axes.axvspan(0.0, span, facecolor=BRIDGE, edgecolor="none", zorder=0, label="_bridge")
+        axes.axvspan(start, end, facecolor=BRIDGE, edgecolor="none", zorder=0, label="_bridge")
 
 
 def with_bridge(place: str, passages: Sequence[BridgePassage]) -> str:

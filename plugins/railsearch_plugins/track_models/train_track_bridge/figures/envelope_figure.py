@@ -45,7 +45,7 @@ def envelope_figure(passages: Sequence[BridgePassage]) -> Figure:
         axes.set_ylim(bottom=0.0)
     for axes in (deflection, rail):
         axes.invert_yaxis()
-    shade_bridge(made.panels, passages[0].span)
+    shade_bridge(made.panels, 0.0, passages[0].span)
     add_legend(made, {passage.label: Line2D([], [], color=passage.colour, lw=1.5) for passage in passages})
     made.figure.set_label(
         "Envelopes of the measured run along the track: largest deflection and acceleration of the bridge, largest "

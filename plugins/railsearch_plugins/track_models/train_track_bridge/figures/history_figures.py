@@ -18,7 +18,6 @@ from railsearch_plugins.track_models.train_track_bridge.figures.bridge_passage i
     MILLI,
     BridgePassage,
     shade_bridge,
-    with_bridge,
 )
 
 FORCE_PANEL, HISTORY_PANEL = 1.55, 1.25
@@ -30,9 +29,7 @@ STATIC: Mapping[str, Any] = MappingProxyType({"color": "#555555", "lw": 0.9, "ls
 def contact_force_figure(passages: Sequence[BridgePassage]) -> Figure:
     """Contact force in kN of every axle over the position of the first one, a panel for each vehicle."""
     count = max(passage.vehicles for passage in passages)
-    made = new_stack(
-        "Contact force of every axle", with_bridge(FIRST_AXLE, passages), ["Contact force [kN]"] * count, FORCE_PANEL
-    )
+    made = new_stack("Contact force of every axle", FIRST_AXLE, ["Contact force [kN]"] * count, FORCE_PANEL)
     for axes in made.panels[1:]:
         axes.sharey(made.panels[0])
     for passage in passages:
@@ -44,7 +41,7 @@ def contact_force_figure(passages: Sequence[BridgePassage]) -> Figure:
     made.figure.set_label(
         "Force between wheelset and rail over the position of the first axle of the train, for the four axles of every "
         "vehicle. Triangles: the largest and the smallest force under a wheel on the bridge; a line of dashes and dots is "
-        "the static load. Every axle follows the first at its distance, and so comes onto the bridge later."
+        "the static load. Shaded: axles of the vehicle are on the bridge."
     )
     return made.figure
 
@@ -53,7 +50,7 @@ def histories_figure(passages: Sequence[BridgePassage]) -> Figure:
     """Acceleration of every carbody, deflection of the deck, and the irregularity under the first wheel."""
     count = max(passage.vehicles for passage in passages)
     quantities = ["Acceleration [m/s²]"] * count + ["Deflection [mm]", "Height [mm]"]
-    made = new_stack("Carbodies, deck and irregularity", with_bridge(FIRST_AXLE, passages), quantities, HISTORY_PANEL)
+    made = new_stack("Carbodies, deck and irregularity", FIRST_AXLE, quantities, HISTORY_PANEL)
     for axes in made.panels[1:count]:
         axes.sharey(made.panels[0])
     for passage in passages:
@@ -71,7 +68,8 @@ def histories_figure(passages: Sequence[BridgePassage]) -> Figure:
     made.figure.set_label(
         "Acceleration at the centre of every carbody, with Sperling's comfort index W_z over the measured run; deflection "
         "of the deck at midspan, with its largest value U_d (triangle); and the height of the unloaded rail under the first "
-        "wheel, over which all other wheels run as well. All over the position of the first axle."
+        "wheel, over which all other wheels run as well. All over the position of the first axle; shaded: on the bridge are "
+        "axles of the vehicle, of the train, the first wheel."
     )
     return made.figure
 
@@ -116,12 +114,18 @@ def _mark(axes: Axes, passage: BridgePassage, place: tuple[float, float], marker
 
 
 def _close(made: Stack, passages: Sequence[BridgePassage]) -> None:
-    """Limits with room for the names of the panels, and the bridge."""
+    """Limits with room for the names of the panels, and where what a panel shows is on the bridge."""
     fronts = [passage.first_axle for passage in passages]
     made.panels[0].set_xlim(min(float(front[0]) for front in fronts), max(float(front[-1]) for front in fronts))
     for axes in made.panels:
         axes.margins(y=0.08)
-    shade_bridge(made.panels, passages[0].span)
+    behind, span = max((passage.behind for passage in passages), key=len), passages[0].span
+    count = len(behind) // AXLES
+    for number, axes in enumerate(made.panels):
+        # Panels of vehicles come first, then the deck, which all axles load, and the irregularity under the first.
+        own = behind[number * AXLES : (number + 1) * AXLES] if number < count else behind
+        last = 0.0 if number > count else own[-1]
+        shade_bridge([axes], float(own[0]), span + float(last))
 
 
 def _force_keys(passages: Sequence[BridgePassage]) -> dict[str, Artist]:

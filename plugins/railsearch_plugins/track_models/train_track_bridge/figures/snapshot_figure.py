@@ -137,7 +137,7 @@ def _draw_curves(axes: Axes, scene: Scene) -> None:
     axes.plot(sleepers, sleeper, "s", color=SLEEPER, markersize=2.5, label="sleepers")
     axes.plot(sleepers[off], ballast, "^", color=BALLAST, markersize=2.5, label="ballast beside the bridge")
     axes.plot(passage.history("bridge_position"), bridge, color=BRIDGE, lw=1.8, label="bridge")
-    shade_bridge([axes], passage.span)
+    shade_bridge([axes], 0.0, passage.span)
     axes.yaxis.set_inverted(True)
     axes.set_ylabel("Displacement [mm]", fontsize=SMALL)
     axes.set_xlabel(with_bridge(ALONG, [passage]), fontsize=NORMAL, labelpad=1)
