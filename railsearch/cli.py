@@ -12,6 +12,7 @@ from railsearch.commands.catalogue import describe, init, list_plugins
 from railsearch.commands.choose import choose
 from railsearch.commands.evaluation import evaluate, simulate
 from railsearch.commands.options import messages
+from railsearch.commands.progress import plain_warnings
 from railsearch.commands.sampling import sample
 from railsearch.commands.search import dashboard, run, show
 from railsearch.commands.sensitivity import sensitivity
@@ -64,7 +65,8 @@ def main() -> None:
             messages.print(f"railsearch: warning: {warning}")
         for entry in registry.entries("command"):
             app.command(entry.name)(entry.plugin)
-        app(prog_name="railsearch")
+        with plain_warnings():
+            app(prog_name="railsearch")
     except RailsearchError as error:
         messages.print(f"railsearch: error: {error}")
         sys.exit(2)

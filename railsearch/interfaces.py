@@ -4,9 +4,11 @@ A plugin is a class of one of these shapes, registered under a name through a ho
 `Parameters` is a frozen dataclass of `parameter(...)` fields (see parameters.py), or `NoParameters`.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +18,8 @@ from railsearch.parameters import NoParameters, parameter
 from railsearch.space import FloatArray, Space, Variable
 
 if TYPE_CHECKING:  # half a second of scipy that only those who have random vectors need
+    from matplotlib.figure import Figure
+
     from railsearch.distributions import RandomVector
 
 __all__ = ["NoParameters", "Space", "Variable", "parameter"]
@@ -150,7 +154,7 @@ class RandomInputSurrogate(Surrogate, Protocol):
     """
 
     @classmethod
-    def for_inputs(cls, inputs: "RandomVector", parameters: Any) -> Surrogate:
+    def for_inputs(cls, inputs: RandomVector, parameters: Any) -> Surrogate:
         """A surrogate whose points are those of the random inputs, in their own units, in place of the unit cube's."""
 
 
@@ -230,7 +234,10 @@ class Strategy(Protocol):
 
 
 class TrackModel(Protocol):
-    """A simulation of a vehicle on a track. Made as `cls()`; `metrics` and `histories` describe what it returns."""
+    """A simulation of a vehicle on a track. Made as `cls()`; `metrics` and `histories` describe what it returns.
+
+    A history called `time` (t,) is what others of t rows are plotted over in reports.
+    """
 
     Parameters: type
     metrics: Sequence[Quantity]
@@ -244,6 +251,38 @@ class TrackModel(Protocol):
 
     def simulate(self, parameters: Any, histories: bool = False) -> Response:
         """Simulate one passage. Raises InputError for parameters not allowed, SimulationError if it diverges."""
+
+
+@dataclass(frozen=True)
+class Passage:
+    """A passage that was simulated: the track model's parameters, and its response with histories."""
+
+    parameters: Any
+    response: Response
+
+
+class DrawnTrackModel(TrackModel, Protocol):
+    """A track model that draws its passages, for reports."""
+
+    def figures(self, passages: Mapping[str, Passage], names: Sequence[str] = ()) -> Mapping[str, Figure]:
+        """Figures by name of one labelled passage, or of several that they compare; a figure's label is its caption.
+
+        names: which figures and in which order; none: the model's own choice. Raises InputError for an unknown one.
+        """
+
+
+def passage_figures(model: TrackModel, parameters: Mapping[str, Any], names: Sequence[str] = ()) -> Mapping[str, Figure]:
+    """The figures of a track model for labelled parameters, each simulated once; none if the model does not draw."""
+    drawing = drawing_model(model)
+    if drawing is None:
+        return {}
+    simulated = {label: Passage(track, model.simulate(track, histories=True)) for label, track in parameters.items()}
+    return drawing.figures(simulated, names)
+
+
+def drawing_model(model: TrackModel) -> DrawnTrackModel | None:
+    """The model itself, if it draws its passages."""
+    return cast(DrawnTrackModel, model) if hasattr(model, "figures") else None
 
 
 @dataclass(frozen=True)

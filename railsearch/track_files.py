@@ -21,10 +21,11 @@ DIGITS = 17
 MATRICES = ("mass", "damping", "stiffness")
 
 
-def write_track(folder: Path, export: TrackExport, kind: str) -> list[Path]:
+def write_track(folder: Path, export: TrackExport, kind: str, variables: bool = True) -> list[Path]:
     """Write an exported track and its site file to a folder that has no site file yet; gives what was written.
 
-    kind: `npz` puts all matrices in one file, `mtx` each in a MatrixMarket file of its own. Raises InputError, StorageError.
+    kind: `npz` puts all matrices in one file, `mtx` each in a MatrixMarket file of its own; variables: whether the site file
+    makes a design variable of every part. Raises InputError, StorageError.
     """
     if kind not in FORMATS:
         raise InputError(f"--format: one of {', '.join(FORMATS)} is needed, received '{kind}'")
@@ -42,7 +43,7 @@ def write_track(folder: Path, export: TrackExport, kind: str) -> list[Path]:
     else:
         contents |= {f"{name}.mtx": _matrix_market(matrix) for name, matrix in named.items()}
         places = {name: f"{name}.mtx" for name in named}
-    contents[SITE] = "\n".join(_site(export, places)).encode("utf-8")
+    contents[SITE] = "\n".join(_site(export, places, variables)).encode("utf-8")
     for name, content in contents.items():
         write_whole(folder / name, content)
     return [folder / name for name in contents]
@@ -89,7 +90,7 @@ def _supports(table: FloatArray) -> bytes:
     ).encode()
 
 
-def _site(export: TrackExport, places: Mapping[str, str]) -> Iterator[str]:
+def _site(export: TrackExport, places: Mapping[str, str], variables: bool) -> Iterator[str]:
     """The lines of a site file of the problem `imported-track`."""
     yield "# A track exported by railsearch. Unknowns are counted from 0, displacements are downward, SI units."
     yield f'problem = "{IMPORTED}"'
@@ -102,11 +103,11 @@ def _site(export: TrackExport, places: Mapping[str, str]) -> Iterator[str]:
         yield from (f"{kind} = {{ file = {toml_value(places[f'{part}.{kind}'])} }}" for kind in own)
     if export.factors:
         yield from ("", "[track.factors]", *(f"{part} = {factor!r}" for part, factor in export.factors.items()))
-        yield from ("", "# What a search may change, for instance:")
+    if export.factors and variables:
+        yield from ("", "# What a search may change, from a tenth of its value up to it; the bounds are yours to set.")
         for part, factor in export.factors.items():
-            yield f"# [design.variables.{part}]"
-            yield f"# lower = {toml_value(0.1 * factor)}"
-            yield f"# upper = {toml_value(factor)}"
+            bounds = (f"lower = {toml_value(0.1 * factor)}", f"upper = {toml_value(factor)}")
+            yield from (f"[design.variables.{part}]", *bounds)
     for section, values in export.settings.items():
         yield from ("", f"[track.{section}]")
         yield from (f"{name} = {toml_value(value)}" for name, value in values.items() if value is not None)

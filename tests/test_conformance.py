@@ -5,8 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
-from railsearch.errors import CapabilityError
+from railsearch.errors import CapabilityError, InputError
 from railsearch.interfaces import Capabilities, Proposal, Quantity, Response, parameter
 from railsearch.plugin_manager import load_plugins
 from railsearch.run import MemoryRecord, RunSettings, make_strategy, run_search
@@ -453,9 +454,53 @@ class Interfering(Steady):
         return super().simulate(parameters, histories)
 
 
+class Drawing(Steady):
+    """A track model without fault that draws."""
+
+    label = "what is seen"
+
+    def figures(self, passages, names=()):
+        for name in names:
+            if name not in ("force", "speed"):
+                raise InputError(name)
+        return {name: self.figure() for name in names or ("force", "speed")}
+
+    def figure(self):
+        made = Figure()
+        made.set_label(self.label)
+        return made
+
+
+class Captionless(Drawing):
+    label = ""
+
+
+class Empty(Drawing):
+    def figures(self, passages, names=()):
+        return {}
+
+
+class DrawingAll(Drawing):
+    def figures(self, passages, names=()):
+        return super().figures(passages)
+
+
+class DrawingAnything(Drawing):
+    def figures(self, passages, names=()):
+        return {name: self.figure() for name in names or ("force", "speed")}
+
+
+def test_a_track_model_may_draw():
+    check_track_model(Drawing)
+
+
 @pytest.mark.parametrize(
     ("plugin", "explanation"),
     [
+        (Captionless, "figure force has no label"),
+        (Empty, "but there are none"),
+        (DrawingAll, "other figures are returned than speed"),
+        (DrawingAnything, "not refused with an InputError"),
         (Unannounced, "not the announced"),
         (Diverging, "not a finite float"),
         (Talkative, "without being asked"),

@@ -29,7 +29,7 @@ SOFTEST, STIFFEST = 50.0, 1200.0
 
 def write_site(folder, assembled):
     """Export the track with a site file that names the designed pads as variables."""
-    write_track(folder, assembled.export, "npz")
+    write_track(folder, assembled.export, "npz", variables=False)
     lines = []
     for name in assembled.export.parts:
         side, group = name.split("_")

@@ -203,12 +203,12 @@ def measured_profile(position: ArrayLike, height: ArrayLike, name: str = "irregu
 def profile_from_file(path: str | os.PathLike[str]) -> MeasuredProfile:
     """A measured profile from a text file: position and height in m, positive upward; # begins a comment.
 
-    Columns are separated by blanks, commas or semicolons. Raises InputError that names the file for what cannot be read,
-    and as `measured_profile`.
+    Columns are separated by blanks, commas or semicolons; the first line may be words. Raises InputError that names the file
+    for what cannot be read, and as `measured_profile`.
     """
     try:
         lines = Path(path).read_text(encoding="utf-8").replace(",", " ").replace(";", " ").splitlines()
-        table = np.loadtxt(lines, ndmin=2)
+        table = np.loadtxt(lines[1:] if lines and _has_words(lines[0]) else lines, ndmin=2)
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     except ValueError as error:
@@ -216,6 +216,15 @@ def profile_from_file(path: str | os.PathLike[str]) -> MeasuredProfile:
     if table.shape[1] != 2:
         raise InputError(f"{path}: two columns, position and height in m, are needed, received {table.shape[1]}")
     return measured_profile(table[:, 0], table[:, 1], str(path))
+
+
+def _has_words(line: str) -> bool:
+    """Whether a line is neither a comment nor numbers."""
+    try:
+        np.array(line.split(), dtype=float)
+    except ValueError:
+        return not line.startswith("#")
+    return False
 
 
 def _density(spectrum: Spectrum, wavenumber: FloatArray) -> FloatArray:

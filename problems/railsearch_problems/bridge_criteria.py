@@ -1,16 +1,21 @@
 """What the problems on a train-track-bridge system share: criteria, what is recorded beside them, passages."""
 
+from __future__ import annotations
+
 import dataclasses
-from collections.abc import Sequence
-from typing import Any, ClassVar
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from railsearch.design_problem import DesignProblem
 from railsearch.errors import InputError
-from railsearch.interfaces import Outcome, Quantity, TrackModel
+from railsearch.interfaces import Outcome, Quantity, TrackModel, passage_figures
 from railsearch.space import FloatArray
 from railsearch_problems.crossing_designs import check_corners, chosen_objectives
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 TRACK_MODEL = "train-track-bridge"
 CRITERIA: Sequence[Quantity] = (
@@ -22,7 +27,7 @@ CRITERIA: Sequence[Quantity] = (
 FURTHER: Sequence[Quantity] = (
     Quantity("carbody_acceleration_max", "m/s²", "largest acceleration at the centre of a carbody"),
     Quantity("contact_force_max", "N", "largest force under a wheel on the bridge"),
-    Quantity("contact_force_min", "N", "smallest force under a wheel on the bridge"),
+    Quantity("contact_force_min", "N", "smallest force under a wheel on the bridge", maximised=True),
     Quantity("bridge_acceleration_max", "m/s²", "largest vertical acceleration of the bridge"),
 )
 
@@ -53,6 +58,15 @@ class BridgeProblem(DesignProblem):
             np.array([objective.sign * measured[objective.name] for objective in self.objectives]),
             {metric.name: float(metric.sign * measured[metric.name]) for metric in self.metrics},
         )
+
+    def figures(self, designs: Mapping[str, FloatArray]) -> Mapping[str, Figure]:
+        """The track model's pictures of labelled designs."""
+        return passage_figures(self.model, {label: self.parameters(design) for label, design in designs.items()})
+
+
+def extremes(quantities: Sequence[Quantity], largest: bool) -> list[Quantity]:
+    """Quantities with what is worst for the track as what is wanted, or, unless `largest`, what is best."""
+    return [dataclasses.replace(quantity, maximised=quantity.maximised != largest) for quantity in quantities]
 
 
 def chosen_criteria(names: Sequence[str], maximised: bool = False) -> list[Quantity]:

@@ -15,7 +15,7 @@ import numpy as np
 from railsearch.design_problem import DesignProblem
 from railsearch.errors import InputError
 from railsearch.hookspecs import hookimpl
-from railsearch.interfaces import Host, Outcome, Quantity, TrackModel
+from railsearch.interfaces import Host, Outcome, Quantity, TrackModel, passage_figures
 from railsearch.parameters import make_parameters, parameter
 from railsearch.space import FloatArray, Space, Variable
 from railsearch_problems.crossing_designs import check_corners, chosen_objectives
@@ -124,9 +124,7 @@ class ImportedTrackProblem(DesignProblem):
 
     def figures(self, designs: Mapping[str, FloatArray]) -> Mapping[str, Figure]:
         """Force over position and energy per support for labelled designs."""
-        from railsearch_problems.imported_track_figures import track_figures
-
-        return track_figures(self.model, {label: self.parameters(design) for label, design in designs.items()})
+        return passage_figures(self.model, {label: self.parameters(design) for label, design in designs.items()})
 
 
 def _table(name: str, table: object) -> Mapping[str, Any]:

@@ -22,7 +22,7 @@ import numpy as np
 from railsearch.design_problem import DesignProblem
 from railsearch.errors import InputError
 from railsearch.hookspecs import hookimpl
-from railsearch.interfaces import Host, Outcome, Quantity, TrackModel
+from railsearch.interfaces import Host, Outcome, Quantity, TrackModel, passage_figures
 from railsearch.parameters import parameter
 from railsearch.space import FloatArray
 from railsearch_problems.crossing_designs import (
@@ -167,10 +167,8 @@ class LevelCrossingProblem(DesignProblem):
 
     def figures(self, designs: Mapping[str, FloatArray]) -> Mapping[str, Figure]:
         """Force over position, energy per sleeper, and a drawing of the zone to scale, for labelled designs."""
-        from railsearch_problems.level_crossing_figures import crossing_figures
-
         parameters = {label: self.parameters(design) for label, design in designs.items()}
-        return crossing_figures(self.model, parameters)
+        return passage_figures(self.model, parameters, ("force", "energy", "zone"))
 
 
 def _design_of(zone: Any) -> FloatArray:

@@ -26,7 +26,7 @@ import numpy as np
 from railsearch.design_problem import DesignProblem
 from railsearch.errors import InputError
 from railsearch.hookspecs import hookimpl
-from railsearch.interfaces import Host, Outcome, Quantity, TrackModel
+from railsearch.interfaces import Host, Outcome, Quantity, TrackModel, passage_figures
 from railsearch.parameters import amend_parameters, parameter
 from railsearch.space import FloatArray
 from railsearch_problems.construction_cost import PRINTED, Prices, check_priced, construction_cost
@@ -219,10 +219,9 @@ class LevelCrossingPreferenceProblem(DesignProblem):
 
     def figures(self, designs: Mapping[str, FloatArray]) -> Mapping[str, Figure]:
         """Energy per sleeper, carbody acceleration over position, and a drawing of the zone to scale."""
-        from railsearch_problems.level_crossing_figures import preference_figures
-
         parameters = {label: self.parameters(design) for label, design in designs.items()}
-        return preference_figures(self.model, parameters)
+        pictures = passage_figures(self.model, parameters, ("energy-adjacent", "acceleration", "zone"))
+        return {name.removesuffix("-adjacent"): figure for name, figure in pictures.items()}
 
 
 def _check_stretch(layout: Layout, longest: float) -> None:

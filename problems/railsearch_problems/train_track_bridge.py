@@ -10,16 +10,17 @@ from railsearch.distributions import RandomVector
 from railsearch.hookspecs import hookimpl
 from railsearch.interfaces import Host, TrackModel
 from railsearch.parameters import amend_parameters, describe_parameters, parameter
-from railsearch.space import Space, Variable
+from railsearch.space import FloatArray, Space, Variable
 from railsearch_problems.bridge_criteria import (
     CRITERIA,
     FURTHER,
     TRACK_MODEL,
     BridgeProblem,
     chosen_criteria,
+    extremes,
     reference_values,
 )
-from railsearch_problems.train_track_bridge_inputs import Inputs, uncertain_inputs
+from railsearch_problems.train_track_bridge_inputs import Inputs, searched_ranges, uncertain_inputs
 
 # The reference needs a number where the track model may leave it to the spectrum.
 TRACK: Mapping[str, Any] = {"irregularity_amplitude": 7.416e-7}
@@ -53,13 +54,13 @@ class TrainTrackBridgeProblem(BridgeProblem):
     ) -> None:
         inputs = inputs or Inputs()
         distributions = uncertain_inputs(track, inputs)
-        space = _space(track, distributions, inputs.level)
+        space = _space(track, distributions, searched_ranges(track, inputs))
         maximised = extreme == LARGEST
         super().__init__(
             name="train-track-bridge",
             space=space,
             objectives=chosen_criteria(objectives or self.default_objectives, maximised),
-            metrics=(*chosen_criteria([criterion.name for criterion in CRITERIA], maximised), *FURTHER),
+            metrics=extremes((*CRITERIA, *FURTHER), maximised),
             reference=reference_values(track, space.names, space.lower, space.upper),
             distributions=distributions,
         )
@@ -82,12 +83,12 @@ class TrainTrackBridgeProblem(BridgeProblem):
         return made
 
 
-def _space(track: Any, distributions: RandomVector, level: float) -> Space:
+def _space(track: Any, distributions: RandomVector, ranges: FloatArray) -> Space:
     known = {description.name: description for description in describe_parameters(track)}
     return Space(
         tuple(
             Variable(name, float(low), float(high), known[name].unit, False, known[name].meaning)
-            for name, (low, high) in zip(distributions.names, distributions.ranges(level), strict=True)
+            for name, (low, high) in zip(distributions.names, ranges, strict=True)
         )
     )
 

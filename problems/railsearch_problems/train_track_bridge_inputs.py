@@ -12,9 +12,12 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
+
 from railsearch.distributions import RandomVector, keep_inside, random_vector
 from railsearch.errors import InputError
 from railsearch.parameters import did_you_mean, field_range, parameter
+from railsearch.space import FloatArray
 
 Table = Mapping[str, object]
 
@@ -81,6 +84,24 @@ def uncertain_inputs(track: Any, inputs: Inputs | None = None) -> RandomVector:
     distribution that is not sound or leaves the physical range.
     """
     inputs = inputs or Inputs()
+    stated = _stated(track, inputs)
+    physical = {name: field_range(type(track), name) for name in stated.names}
+    try:
+        return keep_inside(stated, physical, truncate=inputs.truncate)
+    except InputError as error:
+        raise InputError(f"inputs.distributions.{error} with truncate = true under [inputs]") from None
+
+
+def searched_ranges(track: Any, inputs: Inputs) -> FloatArray:
+    """Bounds (d, 2): those of a distribution that has any, percentiles of others, cut off at a physical range or not."""
+    stated, kept = _stated(track, inputs), uncertain_inputs(track, inputs)
+    levels = kept.percentiles([inputs.level, 1.0 - inputs.level]).T
+    own = zip(stated.marginals.values(), kept.marginals.values(), levels, strict=True)
+    return np.array([inside.support if before.bounded else outer for before, inside, outer in own], dtype=float)
+
+
+def _stated(track: Any, inputs: Inputs) -> RandomVector:
+    """The published inputs and those of the user, as they are stated."""
     own = inputs.distributions or {}
     for name in (*own, *inputs.fixed):
         _check_name(track, name)
@@ -91,8 +112,7 @@ def uncertain_inputs(track: Any, inputs: Inputs | None = None) -> RandomVector:
         raise InputError("inputs: one uncertain input or more is needed, all are fixed")
     for name in tables:
         _check_effect(track, name)
-    vector = random_vector(tables, where="inputs.distributions")
-    return keep_inside(vector, {name: field_range(type(track), name) for name in tables}, truncate=inputs.truncate)
+    return random_vector(tables, where="inputs.distributions")
 
 
 def _check_name(track: Any, name: str) -> None:

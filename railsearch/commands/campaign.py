@@ -39,7 +39,6 @@ from railsearch.commands.options import (
     results,
     write_template,
 )
-from railsearch.commands.progress import plain_warnings
 from railsearch.dask_cluster import connected
 from railsearch.design_problem import DesignProblem
 from railsearch.errors import CampaignError, InputError
@@ -201,7 +200,6 @@ def _carried_out(prepared: _Prepared, url: str, dask: str | None, workers: int, 
     with (
         closing(Storage(url, patience, claims_of(url))) as store,
         campaign_progress(prepared.problems, prepared.tasks, before) as watcher,
-        plain_warnings(),
     ):
         coordinator = Coordinator(store, unfinished, prepared.campaign.timeout, batch_workers, watcher)
         # A batch system ends a job with SIGTERM: it is answered like Ctrl-C.

@@ -19,14 +19,15 @@ from railsearch.commands.options import (
     asked_problem,
     assignments,
     changed_design,
+    command_line,
     messages,
     print_json,
     results,
 )
 from railsearch.errors import InputError, SimulationError
-from railsearch.interfaces import Evaluation, TrackModel
+from railsearch.interfaces import Evaluation, Passage, TrackModel
 from railsearch.parameters import amend_parameters, nested
-from railsearch.plugin_manager import load_plugins
+from railsearch.plugin_manager import Entry, load_plugins
 from railsearch.result import evaluation_document, values_of
 from railsearch.run_directory import write_whole
 from railsearch.site import track_section
@@ -36,6 +37,9 @@ ModelName = Annotated[
     str, typer.Argument(metavar="TRACK_MODEL", help="Name of a track model; see `railsearch list track-model`.")
 ]
 Histories = Annotated[Path | None, typer.Option("--histories", metavar="FILE.npz", help="Write the histories to this file.")]
+Report = Annotated[
+    Path | None, typer.Option("--report", metavar="FILE.html", help="Write a page of metrics, figures and parameters.")
+]
 
 
 def simulate(
@@ -43,6 +47,7 @@ def simulate(
     parameters: Parameters = None,
     assigned: Assignments = None,
     histories: Histories = None,
+    report: Report = None,
     as_json: AsJson = False,
 ) -> None:
     """Simulate one passage with a track model and print its metrics.
@@ -50,13 +55,21 @@ def simulate(
     Parameters are SI and named as `railsearch describe TRACK_MODEL` lists them; a `track.` before them does no harm:
 
         railsearch simulate level-crossing --set passage.speed=30 --set zone.strengthened_sleepers=4
+
+    With --report a page with figures is written, which needs nothing beside itself:
+
+        railsearch simulate train-track-bridge --set snapshot_time=2.5 --report passage.html
     """
+    _check_file("--histories", histories, ".npz")
+    _check_file("--report", report, ".html")
     registry = load_plugins()
     model = registry.track_model(name)
     track = asked_track(model, name, parameters, assigned)
-    response = model.simulate(track, histories=histories is not None)
+    response = model.simulate(track, histories=histories is not None or report is not None)
     if histories is not None:
         _write_histories(histories, response.histories)
+    if report is not None:
+        _write_page(report, registry.entry("track-model", name), model, Passage(track, response))
     if as_json:
         units = {quantity.name: quantity.unit for quantity in model.metrics}
         print_json(
@@ -110,9 +123,24 @@ def _values_table(quantities: Any, values: Any) -> Table:
     return table
 
 
+def _check_file(option: str, path: Path | None, suffix: str) -> None:
+    """Raise InputError unless a file of this name could be written, before anything is simulated for it."""
+    if path is None:
+        return
+    if path.suffix != suffix or path.is_dir():
+        raise InputError(f"{option}: a file name that ends with {suffix} is needed, received {path}")
+    if not path.parent.is_dir():
+        raise InputError(f"{option}: a file in a folder that exists is needed, received {path}; make {path.parent} first")
+
+
+def _write_page(path: Path, entry: Entry, model: TrackModel, passage: Passage) -> None:
+    from railsearch.report.simulation_page import simulation_page
+
+    write_whole(path, simulation_page(entry, model, passage, command_line()).encode("utf-8"))
+    messages.print(f"wrote {path}")
+
+
 def _write_histories(path: Path, histories: Any) -> None:
-    if path.suffix != ".npz":
-        raise InputError(f"--histories: a file name that ends with .npz is needed, received {path}")
     content = io.BytesIO()
     np.savez_compressed(content, **histories)
     write_whole(path, content.getvalue())

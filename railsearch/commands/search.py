@@ -26,7 +26,7 @@ from railsearch.commands.options import (
     print_json,
     results,
 )
-from railsearch.commands.progress import plain_warnings, run_progress
+from railsearch.commands.progress import run_progress
 from railsearch.commands.stored_run import record_url, stored_document, stored_run, study_of
 from railsearch.commands.tables import result_tables, sentence
 from railsearch.dask_cluster import connected
@@ -219,7 +219,7 @@ def _searched(
         messages.print(f"continuing: {stored} of {limit} evaluations are in {folder.folder}")
     messages.print(f"{problem.label}, strategy {settings.strategy}, budget {settings.budget}, seed {settings.seed}")
     try:
-        with run_progress(problem, limit) as watch, plain_warnings():
+        with run_progress(problem, limit) as watch:
             return run_search(registry, problem, settings, given, record, watch, simulating)
     except InputError:
         # A scalariser may turn out not to suit the problem once the reference design is known: the mended run is another.

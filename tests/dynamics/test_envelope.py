@@ -111,10 +111,10 @@ def test_two_wheels_on_a_bogie_pass_as_with_the_compiled_steps():
     start = static_displacement(track.stiffness, load)
     pairs = np.array([[30, -1], [90, -1]])
     made = pass_over(solver, bogie, contact, step, start, PairObservation(pairs, np.array([0, 399])))
-    expected = compiled_pass(track, bogie, contact, step, Observation(supports=pairs[:, 0]), states=True)
+    expected = compiled_pass(track, bogie, contact, step, Observation(supports=pairs[:, 0], kept=np.array([0, 399])))
     np.testing.assert_allclose(made.force, expected.force, rtol=1e-9)
     np.testing.assert_allclose(made.support_integrals, expected.support_integrals, rtol=1e-8)
-    np.testing.assert_allclose(made.track_displacement, expected.track_displacement[[0, 399]], atol=1e-12)
+    np.testing.assert_allclose(made.track_displacement, expected.track_displacement, atol=1e-12)
     assert np.ptp(made.force) > 1e3
 
 

@@ -1,6 +1,7 @@
 """The design problem on an imported track, its commands, and its likeness to the level crossing that was exported."""
 
 import json
+import re
 import tomllib
 from dataclasses import replace
 
@@ -39,8 +40,18 @@ def site(railsearch, tmp_path):
     answer = railsearch("export-track", "level-crossing", *SHORT, "--parts", "--out", tmp_path / "track")
     assert answer.code == 0, answer.err
     file = tmp_path / "track" / "site.toml"
-    file.write_text(file.read_text(encoding="utf-8") + VARIABLES, encoding="utf-8")
+    own = re.sub(r"\n# What a search may change.*?\n\n", "\n", file.read_text(encoding="utf-8"), flags=re.DOTALL)
+    assert "design.variables" not in own
+    file.write_text(own + VARIABLES, encoding="utf-8")
     return file
+
+
+def test_an_exported_track_can_be_searched_as_it_is(railsearch, tmp_path):
+    answer = railsearch("export-track", "level-crossing", *SHORT, "--parts", "--out", tmp_path / "track")
+    assert answer.code == 0, answer.err
+    problem = package.problem("imported-track", sections=sections(tmp_path / "track" / "site.toml"))
+    assert problem.space.named(problem.reference) == {"pad_1": 1120.0, "pad_2": 1120.0, "pad_3": 1120.0}
+    np.testing.assert_allclose(problem.space.lower, 112.0)
 
 
 def sections(site):

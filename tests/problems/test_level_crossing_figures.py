@@ -9,7 +9,8 @@ from matplotlib.colors import LogNorm
 from matplotlib.patches import Polygon, Rectangle
 
 import railsearch
-from railsearch_problems.level_crossing_figures import crossing_figures
+from railsearch.errors import InputError
+from railsearch.interfaces import passage_figures
 
 REFERENCE = np.array([1120.0, 1120.0, 1120.0, 8, 6, 6, 4, 0])
 OTHER = np.array([124.0, 604.0, 509.0, 3, 6, 7, 3, 53])
@@ -144,7 +145,15 @@ def test_the_colour_bar_has_numbers_when_all_pads_are_equal(problem, stiffness):
         railpad=dataclasses.replace(pads, stiffness=stiffness * 1e6),
         zone=dataclasses.replace(problem.track.zone, pad_stiffness=(stiffness * 1e6,) * 3),
     )
-    (bar,) = [axes for axes in crossing_figures(problem.model, {"only": track})["zone"].axes if "pad" in axes.get_xlabel()]
+    (bar,) = [axes for axes in passage_figures(problem.model, {"only": track})["zone"].axes if "pad" in axes.get_xlabel()]
     low, high = bar.get_xlim()
     rounding = 1e-9 * high
     assert sum(low - rounding <= tick <= high + rounding for tick in bar.get_xticks()) >= 2
+
+
+def test_the_model_draws_what_is_asked_for_in_that_order(problem):
+    parameters = {"only": problem.track}
+    assert list(passage_figures(problem.model, parameters)) == ["force", "energy", "acceleration", "zone"]
+    assert list(passage_figures(problem.model, parameters, ("zone", "energy-adjacent"))) == ["zone", "energy-adjacent"]
+    with pytest.raises(InputError, match="unknown 'forces'; there are force, energy, energy-adjacent"):
+        passage_figures(problem.model, parameters, ("forces",))

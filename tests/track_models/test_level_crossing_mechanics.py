@@ -36,7 +36,7 @@ def energy_ledger(parameters):
     All of the midpoint rule, which Newmark's method with β = 1/4 and γ = 1/2 is. The drive pushes the force over the
     slope of the rail and of the irregularity: −½ (F_n u_{n+1} + F_{n+1} u_n)·(N_{n+1} − N_n) − ½ (F_n + F_{n+1}) Δr.
     """
-    s = simulate_passage(parameters, states=True)
+    s = simulate_passage(parameters, kept=np.arange(wheel_positions(parameters).size))
     track, vehicle, run, dt = s.track, s.vehicle, s.passage, parameters.passage.time_step
     u, v, z, zv, force = (
         run.track_displacement,
@@ -197,3 +197,16 @@ def test_passage_starts_in_equilibrium():
     assert histories["wheel_rail_force"][0] == 50e3
     assert abs(histories["carbody_acceleration"][0]) < 1e-15
     assert histories["rail_displacement"][0] == 0.0
+
+
+def test_track_states_are_kept_at_the_steps_asked_for_and_change_nothing():
+    parameters = short_crossing()
+    steps = np.arange(wheel_positions(parameters).size)
+    some = np.array([0, 7, steps[-1]])
+    none, few, every = (simulate_passage(parameters, kept=kept).passage for kept in (steps[:0], some, steps))
+    np.testing.assert_array_equal(few.track_displacement, every.track_displacement[some])
+    np.testing.assert_array_equal(few.track_velocity, every.track_velocity[some])
+    assert none.track_displacement.shape == (0, every.track_displacement.shape[1])
+    assert np.ptp(few.track_displacement[1]) > 0.0
+    for passage in (none, few):
+        np.testing.assert_array_equal(passage.force, every.force)

@@ -200,3 +200,12 @@ def test_fade_in_wraps_any_profile():
 def test_a_fade_in_of_no_length_is_refused(length):
     with pytest.raises(InputError, match="irregularity fade-in: a length above 0 m"):
         FadedIn(level_track, -24.0, length)
+
+
+@pytest.mark.parametrize("first", ["x [m],z [m]", "# x [m], z [m]", "position height", "-1.0,0.0"])
+def test_first_line_of_a_file_may_be_words(tmp_path, first):
+    file = tmp_path / "profile.csv"
+    file.write_text(first + "\n0,0\n1,0.001\n2,0.002\n3,0\n", encoding="utf-8")
+    profile = profile_from_file(file)
+    assert profile.spline.x[0] == (-1.0 if first == "-1.0,0.0" else 0.0)
+    assert profile(2.0)[0] == pytest.approx(0.002)

@@ -469,7 +469,7 @@ def _extrapolated(forces, n, out):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, fastmath={"contract"})
-def integrate(track, train, contact, observation, start, time_step, states):  # type: ignore[no-untyped-def]
+def integrate(track, train, contact, observation, start, time_step):  # type: ignore[no-untyped-def]
     """All steps of a passage; returns the fields of `Passage`."""
     steps, wheels, orders, _ = contact.rows.shape
     size, parts, rate = track.lower.shape[1], train.compliance.shape[0], 4.0 / time_step
@@ -485,7 +485,7 @@ def integrate(track, train, contact, observation, start, time_step, states):  # 
     points = np.empty((steps, observation.points.size))
     integrals = np.zeros(observation.supports.size)
     highest, lowest, fastest = np.full(size, -np.inf), np.full(size, np.inf), np.zeros(size)
-    all_u, all_v = np.zeros((steps if states else 0, size)), np.zeros((steps if states else 0, size))
+    kept_u, kept_v, kept = np.empty((observation.kept.size, size)), np.empty((observation.kept.size, size)), 0
     force[0], z[0], motions[0, :, 0] = start.force, start.train, start.wheel
     convective, widened = orders > 1, observation.extremes_from < steps
     for n in range(steps):
@@ -524,6 +524,7 @@ def integrate(track, train, contact, observation, start, time_step, states):  # 
             _widen(u, a, highest, lowest, fastest)
         for i in range(points.shape[1]):
             points[n, i] = u[observation.points[i]]
-        if states:
-            all_u[n], all_v[n] = u, v
-    return force, motions, z, zv, integrals, points, highest, lowest, fastest, all_u, all_v
+        if kept < observation.kept.size and n == observation.kept[kept]:
+            kept_u[kept], kept_v[kept] = u, v
+            kept += 1
+    return force, motions, z, zv, integrals, points, highest, lowest, fastest, kept_u[:kept], kept_v[:kept]

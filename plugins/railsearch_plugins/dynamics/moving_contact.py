@@ -60,18 +60,22 @@ class Contact(NamedTuple):
 
 
 class Observation(NamedTuple):
-    """What is to be recorded: ∫ v² dt of `supports` (s,), u of `points` (h,), envelopes from step `extremes_from` on."""
+    """What is to be recorded: ∫ v² dt of `supports` (s,), u of `points` (h,), envelopes from step `extremes_from` on.
+
+    kept: ascending steps (k,) at which u and v of the whole track are kept.
+    """
 
     supports: IntArray = NONE
     points: IntArray = NONE
     extremes_from: int = NEVER
+    kept: IntArray = NONE
 
 
 class Passage(NamedTuple):
     """Histories of a passage.
 
     force (t, w), motion y, ẏ, ÿ (t, w, d) of the rail with its irregularity under the wheels, vehicle states (t, q),
-    ∫ v² dt (s,), u of the points (t, h), envelopes of u (largest, smallest) and |a| (n,), track states (t, n) or none.
+    ∫ v² dt (s,), u of the points (t, h), envelopes of u (largest, smallest) and |a| (n,), track states (k, n) kept.
     """
 
     force: FloatArray
@@ -146,17 +150,16 @@ def pass_over(
     contact: Contact,
     time_step: float,
     observation: Observation = Observation(),  # noqa: B008 - immutable
-    states: bool = False,
 ) -> Passage:
     """Simulate a passage that starts from static equilibrium with all wheels at their first positions.
 
-    time_step: dt in s; states: keep u and v of the whole track at every step, (t, n) each.
+    time_step: dt in s.
     The supports' ∫ v² dt is taken by the trapezoidal rule over all steps, the first state included.
     A track that is not stable, or a solution that diverges, gives histories that are not finite.
     """
     step = _prepare_track(track, contact, time_step)
     start = _static_equilibrium(track, vehicle, contact)
-    return Passage(*integrate(step, prepare_vehicle(vehicle, time_step), contact, observation, start, time_step, states))
+    return Passage(*integrate(step, prepare_vehicle(vehicle, time_step), contact, observation, start, time_step))
 
 
 def static_displacement(stiffness: FloatArray, load: FloatArray) -> FloatArray:

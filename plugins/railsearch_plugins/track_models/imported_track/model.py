@@ -1,13 +1,19 @@
 """The track model `imported-track`: a passage over it, and what is measured."""
 
-from collections.abc import Sequence
-from typing import ClassVar
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from railsearch.interfaces import Passage as SimulatedPassage
 from railsearch.interfaces import Quantity, Response
 from railsearch_plugins.single_wheel import WHEEL_HISTORIES, WHEEL_METRICS
 from railsearch_plugins.track_models.imported_track.parameters import Files, ImportedTrackParameters, Passage
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 class ImportedTrack:
@@ -67,6 +73,12 @@ class ImportedTrack:
         series = measures.make_histories(sound, simulated)
         metrics = measures.measure(sound, simulated.track, series)
         return Response(metrics, {name: np.asarray(values) for name, values in series.items()} if histories else {})
+
+    def figures(self, passages: Mapping[str, SimulatedPassage], names: Sequence[str] = ()) -> Mapping[str, Figure]:
+        """`force` and `energy`. Raises InputError for other names."""
+        from railsearch_plugins.track_models.imported_track.figures import track_figures
+
+        return track_figures(passages, names)
 
     def _warn(self, parameters: ImportedTrackParameters, track: object) -> None:
         """Warn of odd units once per set of files."""

@@ -187,16 +187,16 @@ def _banded_passage(
         band = np.zeros((max(pattern.half_bandwidth, WIDE) + 1, pattern.size))
         band[pattern.rows - pattern.columns, pattern.rows] = values[kind]
         bands.append(band)
-    observation = Observation(supports=track.supports.unknown)
-    made = pass_over(Track(*bands), vehicle, contact, time_step, observation, bool(steps.size))
+    observation = Observation(supports=track.supports.unknown, kept=steps)
+    made = pass_over(Track(*bands), vehicle, contact, time_step, observation)
     return AnyPassage(
         made.force,
         made.motion,
         made.vehicle_displacement,
         made.vehicle_velocity,
         made.support_integrals,
-        made.track_displacement[steps],
-        made.track_velocity[steps],
+        made.track_displacement,
+        made.track_velocity,
     )
 
 

@@ -1,12 +1,19 @@
-"""The track model `level-crossing`: a passage over it, and what is measured."""
+"""The track model `level-crossing`: a passage over it, and what is measured.
 
-from collections.abc import Sequence
-from typing import ClassVar
+Compiled kernels, and what needs them, are loaded when used.
+"""
 
-from railsearch.interfaces import Quantity, Response, TrackExport
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, ClassVar
+
+from railsearch.interfaces import Passage, Quantity, Response, TrackExport
 from railsearch_plugins.single_wheel import WHEEL_HISTORIES, WHEEL_METRICS
-from railsearch_plugins.track_models.level_crossing.checks import checked
 from railsearch_plugins.track_models.level_crossing.parameters import Geometry, LevelCrossingParameters
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 class LevelCrossing:
@@ -32,6 +39,8 @@ class LevelCrossing:
 
     def check(self, parameters: LevelCrossingParameters) -> None:
         """Raise InputError for parameters that are not allowed or do not fit together."""
+        from railsearch_plugins.track_models.level_crossing.checks import checked
+
         checked(parameters)
 
     def simulate(self, parameters: LevelCrossingParameters, histories: bool = False) -> Response:
@@ -40,15 +49,23 @@ class LevelCrossing:
         Returns the metrics, and with `histories` the histories of `LevelCrossing.histories`: (t,) for the wheel, (s,) for
         the sleepers. Raises InputError for parameters that are not allowed, SimulationError if the solution diverges.
         """
-        sound = checked(parameters)
-        from railsearch_plugins.track_models.level_crossing import measures, passage  # compiled kernels, loaded when used
+        from railsearch_plugins.track_models.level_crossing import measures, passage
+        from railsearch_plugins.track_models.level_crossing.checks import checked
 
+        sound = checked(parameters)
         simulated = passage.simulate_passage(sound)
         series = measures.make_histories(sound, simulated)
         return Response(measures.measure(sound, series), series if histories else {})
 
+    def figures(self, passages: Mapping[str, Passage], names: Sequence[str] = ()) -> Mapping[str, Figure]:
+        """`force`, `energy`, `acceleration`, `zone`; if asked for `energy-adjacent`. Raises InputError for other names."""
+        from railsearch_plugins.track_models.level_crossing.figures import crossing_figures
+
+        return crossing_figures(passages, names)
+
     def export(self, parameters: LevelCrossingParameters, parts: bool = False) -> TrackExport:
         """The track for `imported-track`; with `parts`, the pads next to the crossing apart, in MN/m. Raises InputError."""
+        from railsearch_plugins.track_models.level_crossing.checks import checked
         from railsearch_plugins.track_models.level_crossing.export import exported
 
         return exported(checked(parameters), parts)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from railsearch_plugins.dynamics.banded import assemble, half_bandwidth
-from railsearch_plugins.dynamics.moving_contact import Contact, Observation, Passage, Track, make_contact, pass_over
+from railsearch_plugins.dynamics.moving_contact import NONE, Contact, Observation, Passage, Track, make_contact, pass_over
 from railsearch_plugins.dynamics.vehicles import Vehicle
 from railsearch_plugins.single_wheel import irregularity_at, vehicle_matrices
 from railsearch_plugins.track_models.level_crossing.assembly import (
@@ -13,7 +13,7 @@ from railsearch_plugins.track_models.level_crossing.assembly import (
     assemble_track,
     proportional_damping,
 )
-from railsearch_plugins.track_models.level_crossing.layout import FloatArray
+from railsearch_plugins.track_models.level_crossing.layout import FloatArray, IntArray
 from railsearch_plugins.track_models.level_crossing.parameters import LevelCrossingParameters
 
 
@@ -30,9 +30,9 @@ class Simulated:
 
 
 def simulate_passage(
-    parameters: LevelCrossingParameters, positions: FloatArray | None = None, states: bool = False
+    parameters: LevelCrossingParameters, positions: FloatArray | None = None, kept: IntArray = NONE
 ) -> Simulated:
-    """Assemble and run; `positions` (t,) in m replace the run from x = 0, `states` keeps all track states."""
+    """Assemble and run; `positions` (t,) in m replace the run from x = 0; track states are kept at steps `kept` (k,)."""
     elements = assemble_track(parameters)
     width, size = half_bandwidth(elements.stiffness), elements.numbering.size
     track = Track(
@@ -45,8 +45,8 @@ def simulate_passage(
     irregularity = irregularity_at(parameters.irregularity, wheel)[:, None, None]
     contact = make_contact(elements.mesh.nodes, elements.numbering.rail, wheel[:, None], irregularity)
     vehicle = vehicle_matrices(parameters.vehicle)
-    observation = Observation(supports=elements.numbering.sleepers)
-    passage = pass_over(track, vehicle, contact, parameters.passage.time_step, observation, states)
+    observation = Observation(supports=elements.numbering.sleepers, kept=kept)
+    passage = pass_over(track, vehicle, contact, parameters.passage.time_step, observation)
     return Simulated(elements, track, vehicle, contact, wheel, passage)
 
 

@@ -17,6 +17,8 @@ from railsearch_plugins.track_models.train_track_bridge.layout import (
 from railsearch_plugins.track_models.train_track_bridge.parameters import LEVEL, TrainTrackBridgeParameters
 from railsearch_plugins.track_models.train_track_bridge.profile import measured_profile
 
+# Beyond any track that a train runs on; heights in mm are found out by it.
+HIGHEST = 0.2
 # What fits in a gigabyte or so; far beyond what converges.
 MOST_STEPS = 1e5
 MOST_ELEMENTS = 1e5
@@ -101,6 +103,14 @@ def _check_run(parameters: TrainTrackBridgeParameters) -> None:
         "start earlier",
     )
     _require(end > 0.0, "end_position", "the first axle must reach the bridge", f"{end:g} m", "let the run end later")
+    duration, time = (end - start) / parameters.speed, parameters.snapshot_time
+    _require(
+        time is None or time <= duration * (1.0 + ROUNDING),
+        "snapshot_time",
+        f"the snapshot must lie within the run, which takes {duration:.4g} s",
+        f"{time} s",
+        "give an earlier time or leave it out",
+    )
 
 
 def _check_speed(parameters: TrainTrackBridgeParameters) -> None:
@@ -161,6 +171,15 @@ def _check_irregularity(parameters: TrainTrackBridgeParameters) -> None:
         f"{longest:g} m",
         "order the wavelengths or lengthen irregularity_period",
     )
+    start, end = run_of_first_axle(parameters)
+    run = end - start + float(axle_offsets(parameters.vehicle, parameters.vehicles)[-1])
+    _require(
+        run <= period,
+        "irregularity_period",
+        f"a generated profile must not repeat under the train: its axles run over {run:g} m",
+        f"{period:g} m",
+        "lengthen the period",
+    )
     nyquist = 2.0 * parameters.speed * parameters.time_step
     _require(
         shortest >= nyquist,
@@ -179,7 +198,15 @@ def _check_spectrum(name: str) -> None:
 
 
 def _check_file(parameters: TrainTrackBridgeParameters) -> None:
-    positions = measured_profile(parameters.irregularity_file).spline.x
+    spline = measured_profile(parameters.irregularity_file).spline
+    positions, highest = spline.x, float(abs(spline(spline.x)).max())
+    _require(
+        highest <= HIGHEST,
+        "irregularity_file",
+        f"heights must be in m and not above {HIGHEST:g} m",
+        f"{highest:g} m",
+        "divide them by 1000 if they are in mm, or take their mean off",
+    )
     start, end = run_of_first_axle(parameters)
     first = start - float(axle_offsets(parameters.vehicle, parameters.vehicles)[-1])
     rounding = ROUNDING * element_length(parameters)

@@ -88,6 +88,15 @@ def first_axle(parameters: TrainTrackBridgeParameters) -> tuple[FloatArray, floa
     return np.asarray(start + (end - start) / steps * np.arange(steps + 1)), duration / steps
 
 
+def snapshot_step(parameters: TrainTrackBridgeParameters) -> int:
+    """The step at snapshot_time; not given, that at which the middle of the train is nearest to the middle of the span."""
+    front, time_step = first_axle(parameters)
+    if parameters.snapshot_time is not None:
+        return min(round(parameters.snapshot_time / time_step), front.size - 1)
+    middle = front - 0.5 * axle_offsets(parameters.vehicle, parameters.vehicles)[-1]
+    return int(np.argmin(np.abs(middle - 0.5 * parameters.bridge_length)))
+
+
 def make_layout(parameters: TrainTrackBridgeParameters) -> Layout:
     """Sleepers at multiples of their spacing from x = 0, some beyond the outermost axles; rail nodes between them."""
     spacing, parts = parameters.sleeper_spacing, parameters.elements_per_spacing

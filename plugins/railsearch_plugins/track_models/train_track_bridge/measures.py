@@ -11,15 +11,15 @@ a_c     acceleration of the carbodies at their centres                          
 from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from railsearch.errors import SimulationError
 from railsearch_plugins.track_models.train_track_bridge.assembly import bridge_frequencies
-from railsearch_plugins.track_models.train_track_bridge.layout import ROUNDING, FloatArray
+from railsearch_plugins.track_models.train_track_bridge.layout import ROUNDING, FloatArray, element_length, first_axle
 from railsearch_plugins.track_models.train_track_bridge.parameters import ALL, TrainTrackBridgeParameters
-from railsearch_plugins.track_models.train_track_bridge.passage import Simulated
+from railsearch_plugins.track_models.train_track_bridge.passage import Simulated, first_measured
 from railsearch_plugins.track_models.train_track_bridge.ride_comfort import ride_comfort_index
-
-BODIES = 6
+from railsearch_plugins.track_models.train_track_bridge.snapshot import BODIES, snapshot_histories
 
 
 def make_histories(simulated: Simulated) -> dict[str, FloatArray]:
@@ -43,6 +43,7 @@ def make_histories(simulated: Simulated) -> dict[str, FloatArray]:
         "bridge_position": layout.bridge_nodes,
         "bridge_deflection_max": np.where(bridge < 0, 0.0, passage.highest[bridge]),
         "bridge_acceleration_max": np.where(bridge < 0, 0.0, passage.largest_acceleration[bridge]),
+        **snapshot_histories(simulated),
     }
     for name, values in histories.items():
         if not np.isfinite(values).all():
@@ -67,14 +68,15 @@ def measure(
     parameters: TrainTrackBridgeParameters, simulated: Simulated, histories: Mapping[str, FloatArray]
 ) -> dict[str, float]:
     """The metrics of a passage by name."""
-    measured = slice(simulated.measured_from, None)
+    measured, span = slice(simulated.measured_from, None), simulated.elements.layout.span
     carbody = histories["carbody_acceleration"][measured]
-    on_bridge = forces_on_bridge(simulated, histories["contact_force"])
+    on_bridge = histories["contact_force"][wheels_on_bridge(parameters, histories["axle_position"], span)]
+    sleepers = measured_sleepers(parameters, histories["sleeper_position"], span)
     frequencies = bridge_frequencies(parameters)
     return {
-        "W_z": float(ride_comfort_index(carbody.T, simulated.time_step).max()),
+        "W_z": float(comfort_indices(parameters, histories).max()),
         "U_r": float(histories["rail_lowest"].max()),
-        "A_s": float(histories["sleeper_acceleration_max"][measured_sleepers(parameters, simulated)].max()),
+        "A_s": float(histories["sleeper_acceleration_max"][sleepers].max()),
         "U_d": float(histories["deck_deflection"][measured].max()),
         "carbody_acceleration_max": float(np.abs(carbody).max()),
         "contact_force_max": float(on_bridge.max()),
@@ -82,20 +84,25 @@ def measure(
         "bridge_acceleration_max": float(histories["bridge_acceleration_max"].max()),
         "bridge_frequency_1": float(frequencies[0]),
         "bridge_frequency_2": float(frequencies[1]),
-        "bridge_span": simulated.elements.layout.span,
+        "bridge_span": span,
     }
 
 
-def forces_on_bridge(simulated: Simulated, force: FloatArray) -> FloatArray:
-    """The forces of `force` (t, w) under wheels that stand on the bridge while it is measured."""
-    rounding = ROUNDING * simulated.elements.layout.element
-    on = (simulated.axles >= -rounding) & (simulated.axles <= simulated.elements.layout.span + rounding)
-    on[: simulated.measured_from] = False
-    return np.asarray(force[on])
+def comfort_indices(parameters: TrainTrackBridgeParameters, histories: Mapping[str, FloatArray]) -> FloatArray:
+    """Sperling's index (v,) of every carbody over the measured steps."""
+    measured = slice(first_measured(parameters, histories["axle_position"][:, 0]), None)
+    return ride_comfort_index(histories["carbody_acceleration"][measured].T, first_axle(parameters)[1])
 
 
-def measured_sleepers(parameters: TrainTrackBridgeParameters, simulated: Simulated) -> FloatArray:
-    """Mask (s,) of the sleepers that count for A_s."""
-    layout = simulated.elements.layout
-    margin = np.inf if parameters.sleeper_range == ALL else parameters.sleeper_margin + ROUNDING * layout.element
-    return np.asarray((layout.sleepers >= -margin) & (layout.sleepers <= layout.span + margin))
+def wheels_on_bridge(parameters: TrainTrackBridgeParameters, axles: FloatArray, span: float) -> NDArray[np.bool_]:
+    """Mask (t, w) of the wheels at `axles` (t, w) in m that stand on the bridge, of `span` in m, while it is measured."""
+    rounding = ROUNDING * element_length(parameters)
+    on = (axles >= -rounding) & (axles <= span + rounding)
+    on[: first_measured(parameters, axles[:, 0])] = False
+    return np.asarray(on)
+
+
+def measured_sleepers(parameters: TrainTrackBridgeParameters, sleepers: FloatArray, span: float) -> NDArray[np.bool_]:
+    """Mask (s,) of the sleepers at positions (s,) in m that count for A_s; `span` in m."""
+    margin = np.inf if parameters.sleeper_range == ALL else parameters.sleeper_margin + ROUNDING * element_length(parameters)
+    return np.asarray((sleepers >= -margin) & (sleepers <= span + margin))

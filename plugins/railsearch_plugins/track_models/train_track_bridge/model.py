@@ -1,11 +1,18 @@
-"""The track model `train-track-bridge`: a passage over the bridge, and what is measured."""
+"""The track model `train-track-bridge`: a passage over the bridge, and what is measured.
 
-from collections.abc import Sequence
-from typing import ClassVar
+Compiled kernels, and what needs them, are loaded when used.
+"""
 
-from railsearch.interfaces import Quantity, Response
-from railsearch_plugins.track_models.train_track_bridge.checks import checked
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, ClassVar
+
+from railsearch.interfaces import Passage, Quantity, Response
 from railsearch_plugins.track_models.train_track_bridge.parameters import TrainTrackBridgeParameters
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 class TrainTrackBridge:
@@ -41,6 +48,16 @@ class TrainTrackBridge:
         Quantity("bridge_position", "m", "position of every node of the bridge"),
         Quantity("bridge_deflection_max", "m", "largest downward deflection there"),
         Quantity("bridge_acceleration_max", "m/s²", "largest acceleration there"),
+        Quantity("snapshot_time", "s", "time of the snapshot"),
+        Quantity("snapshot_rail_displacement", "m", "every node of the rail then, downward"),
+        Quantity("snapshot_sleeper_displacement", "m", "every sleeper then, downward"),
+        Quantity("snapshot_ballast_displacement", "m", "ballast under every sleeper then, downward; on the bridge its deck"),
+        Quantity("snapshot_bridge_deflection", "m", "every node of the bridge then, downward"),
+        Quantity("snapshot_carbody_displacement", "m", "centre of every carbody then, downward from a level rigid track"),
+        Quantity("snapshot_carbody_pitch", "rad", "every carbody then, positive with its front down"),
+        Quantity("snapshot_bogie_displacement", "m", "centre of every bogie then, downward from a level rigid track"),
+        Quantity("snapshot_bogie_pitch", "rad", "every bogie then, positive with its front down"),
+        Quantity("snapshot_wheel_displacement", "m", "every wheelset then, downward from a level rigid track"),
     )
 
     def warm_up(self) -> None:
@@ -49,21 +66,27 @@ class TrainTrackBridge:
 
     def check(self, parameters: TrainTrackBridgeParameters) -> None:
         """Raise InputError for parameters that are not allowed or do not fit together."""
+        from railsearch_plugins.track_models.train_track_bridge.checks import checked
+
         checked(parameters)
 
     def simulate(self, parameters: TrainTrackBridgeParameters, histories: bool = False) -> Response:
         """Simulate one passage from static equilibrium on the level track.
 
         Returns the metrics, and with `histories` those of `TrainTrackBridge.histories`: (t,) in time, (t, w) per axle,
-        (t, v) per vehicle, and one value per node or sleeper. Raises InputError for parameters that are not allowed,
-        SimulationError if the solution diverges.
+        (t, v) per vehicle, one value per node, sleeper or body, and snapshot_time (1,). Raises InputError for parameters
+        that are not allowed, SimulationError if the solution diverges.
         """
-        sound = checked(parameters)
-        from railsearch_plugins.track_models.train_track_bridge import (
-            measures,
-            passage,
-        )  # compiled kernels, loaded when used
+        from railsearch_plugins.track_models.train_track_bridge import measures, passage
+        from railsearch_plugins.track_models.train_track_bridge.checks import checked
 
+        sound = checked(parameters)
         simulated = passage.simulate_passage(sound)
         series = measures.make_histories(simulated)
         return Response(measures.measure(sound, simulated, series), series if histories else {})
+
+    def figures(self, passages: Mapping[str, Passage], names: Sequence[str] = ()) -> Mapping[str, Figure]:
+        """`snapshot`, `force`, `histories` and `envelopes`. Raises InputError for other names."""
+        from railsearch_plugins.track_models.train_track_bridge.figures import bridge_figures
+
+        return bridge_figures(passages, names)

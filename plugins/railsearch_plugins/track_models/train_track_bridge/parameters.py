@@ -84,7 +84,7 @@ class TrainTrackBridgeParameters:
     ballast_modulus: float = parameter(1.2e8, unit="Pa", meaning="modulus of the ballast", source=STUDY, above=0.0)
     ballast_depth: float = parameter(0.45, unit="m", meaning="depth under the sleeper", source=STUDY, above=0.0)
     ballast_angle: float = parameter(
-        25.0, unit="deg", meaning="load distribution angle", source=STUDY, above=0.0, below=90.0
+        25.0, unit="deg", meaning="load distribution angle, 15 to 45 usually", source=STUDY, above=0.0, maximum=60.0
     )
     ballast_damping: float = parameter(1.6e5, unit="N s/m", meaning="damping under a sleeper", source=STUDY, minimum=0.0)
     ballast_doubled: bool = parameter(
@@ -154,7 +154,11 @@ class TrainTrackBridgeParameters:
         30.0, unit="m", meaning="how far the last axle goes beyond the bridge", source=STUDY, minimum=0.0
     )
     start_position: float | None = parameter(
-        None, unit="m", meaning="first axle at the start; not given: irregularity_fade before the approach", source=CODE
+        None,
+        unit="m",
+        meaning="first axle at the start; not given: irregularity_fade before the approach",
+        source=CODE,
+        maximum=0.0,
     )
     end_position: float | None = parameter(
         None, unit="m", meaning="first axle at the end; not given: the last axle at departure_length", source=CODE
@@ -176,6 +180,13 @@ class TrainTrackBridgeParameters:
     )
     sleeper_margin: float = parameter(
         20.0, unit="m", meaning="how far from the bridge sleepers are measured", source="chosen", minimum=0.0
+    )
+    snapshot_time: float | None = parameter(
+        None,
+        unit="s",
+        meaning="time of the snapshot among the histories; not given: the middle of the train at midspan",
+        source="chosen",
+        minimum=0.0,
     )
     vehicle: Vehicle = Vehicle()
     rail: Rail = Rail()

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from railsearch_plugins.dynamics.beam import locate
-from railsearch_plugins.dynamics.moving_contact import Contact, Observation, Passage, Track, make_contact, pass_over
+from railsearch_plugins.dynamics.moving_contact import NONE, Contact, Observation, Passage, Track, make_contact, pass_over
 from railsearch_plugins.dynamics.vehicles import Vehicle
 from railsearch_plugins.track_models.train_track_bridge.assembly import (
     TrackElements,
@@ -13,7 +13,13 @@ from railsearch_plugins.track_models.train_track_bridge.assembly import (
     make_train,
     track_matrices,
 )
-from railsearch_plugins.track_models.train_track_bridge.layout import FloatArray, IntArray, axle_offsets, first_axle
+from railsearch_plugins.track_models.train_track_bridge.layout import (
+    FloatArray,
+    IntArray,
+    axle_offsets,
+    first_axle,
+    snapshot_step,
+)
 from railsearch_plugins.track_models.train_track_bridge.parameters import ALL, TrainTrackBridgeParameters
 from railsearch_plugins.track_models.train_track_bridge.profile import make_profile
 
@@ -23,7 +29,7 @@ class Simulated:
     """A passage with what passed over what.
 
     axles: positions (t, w) in m; measured_from: the first step that is measured; deck_row: u of the passage's points
-    into the deflection at midspan (4,).
+    into the deflection at midspan (4,); kept: steps (k,) whose track states are in the passage; snapshot: one of them.
     """
 
     elements: TrackElements
@@ -34,13 +40,18 @@ class Simulated:
     time_step: float
     measured_from: int
     deck_row: FloatArray
+    kept: IntArray
+    snapshot: int
     passage: Passage
 
 
 def simulate_passage(
-    parameters: TrainTrackBridgeParameters, irregularity: FloatArray | None = None, states: bool = False
+    parameters: TrainTrackBridgeParameters, irregularity: FloatArray | None = None, kept: IntArray = NONE
 ) -> Simulated:
-    """Assemble and run; `irregularity` r, ṙ, r̈ (t, w, 3), downward, replaces the profile's, `states` keeps track states."""
+    """Assemble and run; `irregularity` r, ṙ, r̈ (t, w, 3), downward, replaces the profile's.
+
+    Track states are kept at the steps `kept` (k,) and at that of the snapshot.
+    """
     elements = assemble_track(parameters)
     track, train = track_matrices(elements), make_train(parameters)
     front, time_step = first_axle(parameters)
@@ -53,9 +64,16 @@ def simulate_passage(
     )
     measured_from = first_measured(parameters, front)
     points, deck_row = _deck(parameters, elements)
-    observation = Observation(points=points, extremes_from=0 if parameters.sleeper_range == ALL else measured_from)
-    passage = pass_over(track, train, contact, time_step, observation, states)
-    return Simulated(elements, track, train, contact, axles, time_step, measured_from, deck_row, passage)
+    snapshot = snapshot_step(parameters)
+    observation = Observation(
+        points=points,
+        extremes_from=0 if parameters.sleeper_range == ALL else measured_from,
+        kept=np.union1d(kept, np.array([snapshot])),
+    )
+    passage = pass_over(track, train, contact, time_step, observation)
+    return Simulated(
+        elements, track, train, contact, axles, time_step, measured_from, deck_row, observation.kept, snapshot, passage
+    )
 
 
 def irregularity_under(parameters: TrainTrackBridgeParameters, axles: FloatArray) -> FloatArray:

@@ -6,15 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
-from railsearch_problems.level_crossing_figures.panels import (
-    BEYOND_CROSSING,
+from railsearch_plugins.passage_figures.panels import (
     PanelFigure,
     draw_range,
-    finish,
     mark_window,
     new_panels,
 )
-from railsearch_problems.level_crossing_figures.passage import KILO, Passage, within
+from railsearch_plugins.passage_figures.passage import KILO, within
+from railsearch_plugins.track_models.level_crossing.figures.crossing_passage import CrossingPassage
+from railsearch_plugins.track_models.level_crossing.figures.site import BEYOND_CROSSING, POSITION, finish
 
 BEFORE_WINDOW = 3.0
 
@@ -55,9 +55,9 @@ ACCELERATION = WheelHistory(
 )
 
 
-def force_figure(passages: Sequence[Passage]) -> Figure:
+def force_figure(passages: Sequence[CrossingPassage]) -> Figure:
     """Wheel-rail force in kN from before the force window to beyond the crossing, with the range F_max of every design."""
-    made = new_panels(passages, FORCE.title, FORCE.quantity)
+    made = new_panels(passages, FORCE.title, POSITION, FORCE.quantity)
     static = passages[0].track.vehicle.static_load / KILO
     made.curves.axhline(static, color="#888888", lw=0.8, ls="-.", label="static wheel load")
     _draw_histories(made, passages, FORCE)
@@ -68,9 +68,9 @@ def force_figure(passages: Sequence[Passage]) -> Figure:
     return made.figure
 
 
-def acceleration_figure(passages: Sequence[Passage]) -> Figure:
+def acceleration_figure(passages: Sequence[CrossingPassage]) -> Figure:
     """Carbody acceleration in m/s² from before the window to beyond the crossing, with the range A_max of every design."""
-    made = new_panels(passages, ACCELERATION.title, ACCELERATION.quantity)
+    made = new_panels(passages, ACCELERATION.title, POSITION, ACCELERATION.quantity)
     _draw_histories(made, passages, ACCELERATION)
     made.figure.set_label(
         "Vertical acceleration of the carbody over the position of the wheel. A_max is the largest minus the smallest "
@@ -79,7 +79,7 @@ def acceleration_figure(passages: Sequence[Passage]) -> Figure:
     return made.figure
 
 
-def _draw_histories(made: PanelFigure, passages: Sequence[Passage], shown: WheelHistory) -> None:
+def _draw_histories(made: PanelFigure, passages: Sequence[CrossingPassage], shown: WheelHistory) -> None:
     """The histories of all designs, their extremes in the window and the window itself."""
     first = passages[0]
     start, end = first.force_window

@@ -1,33 +1,19 @@
-"""Pictures of an imported track that compare designs: wheel-rail force and energy dissipated per support."""
-
-from __future__ import annotations
+"""Pictures of passages over an imported track: wheel-rail force and energy dissipated per support."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
-from railsearch.interfaces import TrackModel
+from railsearch.interfaces import Passage
 from railsearch.space import FloatArray
+from railsearch_plugins.passage_figures.panels import close, draw_range, mark_window, new_panels
+from railsearch_plugins.passage_figures.passage import KILO, DrawnPassage, drawn_figures, within
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from railsearch_problems.level_crossing_figures.passage import Passage
-
-KILO = 1e3
 POSITION = "Position [m]"
 
 
-def track_figures(model: TrackModel, parameters: Mapping[str, Any]) -> dict[str, Figure]:
-    """The figures `force` and `energy` for the track parameters of labelled designs, each simulated once."""
-    from railsearch_problems.level_crossing_figures.passage import compared_passages
-
-    passages = compared_passages(model, parameters)
-    return {"force": force_figure(passages), "energy": energy_figure(passages)}
-
-
-def force_figure(passages: Sequence[Passage]) -> Figure:
+def force_figure(passages: Sequence[DrawnPassage]) -> Figure:
     """Wheel-rail force in kN over the whole run, with its range in the force window, F_max, of every design."""
     static = passages[0].track.vehicle.static_load / KILO
     figure = _compared(
@@ -45,7 +31,7 @@ def force_figure(passages: Sequence[Passage]) -> Figure:
     return figure
 
 
-def energy_figure(passages: Sequence[Passage]) -> Figure:
+def energy_figure(passages: Sequence[DrawnPassage]) -> Figure:
     """Energy dissipated in every support, with its range over the measured ones, E_max, of every design."""
     figure = _compared(
         passages,
@@ -63,7 +49,7 @@ def energy_figure(passages: Sequence[Passage]) -> Figure:
 
 
 def _compared(
-    passages: Sequence[Passage],
+    passages: Sequence[DrawnPassage],
     words: tuple[str, str, str],
     shown: tuple[str, str, float],
     metric: tuple[str, str, int],
@@ -71,12 +57,8 @@ def _compared(
     level: float | None,
 ) -> Figure:
     """Curves of all designs and their ranges between the edges, two fields of the windows."""
-    from railsearch_problems.level_crossing_figures.panels import close, draw_range, mark_window, new_panels
-    from railsearch_problems.level_crossing_figures.passage import within
-
     (title, quantity, name), (place, history, divisor), (key, unit, decimals) = words, shown, metric
-    made = new_panels(passages, title, quantity)
-    made.curves.set_xlabel(POSITION)
+    made = new_panels(passages, title, POSITION, quantity)
     if level is not None:
         made.curves.axhline(level, color="#888888", lw=0.8, ls="-.")
     for passage in passages:
@@ -92,9 +74,17 @@ def _compared(
     return made.figure
 
 
-def _window(passage: Passage, edges: tuple[str, str], position: FloatArray) -> tuple[float, float]:
+def _window(passage: DrawnPassage, edges: tuple[str, str], position: FloatArray) -> tuple[float, float]:
     given = [getattr(passage.track.windows, edge) for edge in edges]
     first, last = (
         float(end) if value is None else value for value, end in zip(given, (position[0], position[-1]), strict=True)
     )
     return first, last
+
+
+DRAWINGS = {"force": force_figure, "energy": energy_figure}
+
+
+def track_figures(passages: Mapping[str, Passage], names: Sequence[str]) -> dict[str, Figure]:
+    """The figures of these names, all without any. Raises InputError for an unknown name."""
+    return drawn_figures(passages, DrawnPassage, DRAWINGS, names or tuple(DRAWINGS))

@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Polygon, Rectangle
 from matplotlib.text import Text
 
-from railsearch_problems.level_crossing_figures.passage import MEGA, Passage, Sleeper
+from railsearch_plugins.track_models.level_crossing.figures.crossing_passage import MEGA, CrossingPassage, Sleeper
 
 RAIL_HEIGHT = 0.159
 LAYER = 0.10
@@ -84,7 +84,7 @@ class Sheet:
         return figure.text(left / WIDTH, foot / self.height, words, fontsize=NORMAL)
 
 
-def zone_figure(passages: Sequence[Passage]) -> Figure:
+def zone_figure(passages: Sequence[CrossingPassage]) -> Figure:
     """For every design the whole crossing, and below it both interfaces enlarged; one scale in length and height."""
     sheet, norm = _sheet(passages), _pad_norm(passages)
     figure = Figure(figsize=(WIDTH, sheet.height))
@@ -102,7 +102,7 @@ def zone_figure(passages: Sequence[Passage]) -> Figure:
     return figure
 
 
-def _draw_block(figure: Figure, sheet: Sheet, passage: Passage, top: float, norm: LogNorm) -> None:
+def _draw_block(figure: Figure, sheet: Sheet, passage: CrossingPassage, top: float, norm: LogNorm) -> None:
     """One design: its name, the overview, and the details side by side."""
     title = sheet.text(figure, MARGIN, top - 0.16, f"{passage.label}:  {_summary(passage)}")
     title.set(color=passage.colour, weight="bold")
@@ -116,7 +116,7 @@ def _draw_block(figure: Figure, sheet: Sheet, passage: Passage, top: float, norm
         _draw_dimensions(axes, passage, side)
 
 
-def _sheet(passages: Sequence[Passage]) -> Sheet:
+def _sheet(passages: Sequence[CrossingPassage]) -> Sheet:
     """Views that are wide enough for all designs: the details show one sleeper more than those with a chosen distance."""
     strengthened = [abs(s.position) for p in passages for s in p.sleepers() if s.strengthened and s.position < 0.0]
     geometry = passages[0].track.geometry
@@ -127,20 +127,20 @@ def _sheet(passages: Sequence[Passage]) -> Sheet:
     return Sheet(overview, ((-before, inside), (length - inside, length + before)), len(passages))
 
 
-def _pad_norm(passages: Sequence[Passage]) -> LogNorm:
+def _pad_norm(passages: Sequence[CrossingPassage]) -> LogNorm:
     """A logarithmic scale over all pads, because it is the ratio of stiffnesses that counts."""
     pads = [sleeper.pad_stiffness for passage in passages for sleeper in passage.sleepers()]
     low, high = min(pads), max(pads)
     return LogNorm(low / 1.25, high * 1.25) if high / low < 1.25 else LogNorm(low, high)
 
 
-def _summary(passage: Passage) -> str:
+def _summary(passage: CrossingPassage) -> str:
     zone = passage.track.zone
     strip = f"Type II strip {zone.type_2_strip_length:g} m" if zone.type_2_strip_length else "no Type II strip"
     return f"{zone.strengthened_sleepers} strengthened sleepers on each side, {strip}"
 
 
-def _draw_view(axes: Axes, passage: Passage, view: tuple[float, float], sky: float, norm: LogNorm) -> None:
+def _draw_view(axes: Axes, passage: CrossingPassage, view: tuple[float, float], sky: float, norm: LogNorm) -> None:
     axes.set_xlim(*view)
     axes.set_ylim(GROUND_BOTTOM, sky)
     axes.set_aspect("equal")
@@ -156,7 +156,7 @@ def _draw_view(axes: Axes, passage: Passage, view: tuple[float, float], sky: flo
     _add_box(axes, (view[0], -RAIL_HEIGHT, view[1], 0.0), RAIL, "rail")
 
 
-def _draw_ground(axes: Axes, passage: Passage, view: tuple[float, float]) -> None:
+def _draw_ground(axes: Axes, passage: CrossingPassage, view: tuple[float, float]) -> None:
     _add_box(axes, (view[0], GROUND_BOTTOM, view[1], BALLAST_BOTTOM), GROUND, "subgrade")
     surface = SLEEPER_TOP - 0.06
     for left, right in ((view[0], 0.0), (passage.crossing_length, view[1])):
@@ -164,7 +164,7 @@ def _draw_ground(axes: Axes, passage: Passage, view: tuple[float, float]) -> Non
             _add_box(axes, (left, BALLAST_BOTTOM, right, surface), BALLAST, "ballast")
 
 
-def _draw_crossing(axes: Axes, passage: Passage) -> None:
+def _draw_crossing(axes: Axes, passage: CrossingPassage) -> None:
     """Slabs with their joints and, under the embedded rail, the strip of Type II and then of Type I."""
     geometry, slab = passage.track.geometry, passage.track.slab
     bottom = -math.sqrt(12.0 * slab.second_moment / slab.area)
@@ -195,7 +195,7 @@ def _draw_sleeper(axes: Axes, sleeper: Sleeper, norm: LogNorm) -> None:
     _add_box(axes, pad, colormaps["viridis"](float(norm(sleeper.pad_stiffness))), "pad")
 
 
-def _draw_dimensions(axes: Axes, passage: Passage, side: int) -> None:
+def _draw_dimensions(axes: Axes, passage: CrossingPassage, side: int) -> None:
     """Sleeper distances above the rail and pad stiffnesses in the ballast, next to the interface of a side (0, 1)."""
     count = max(len(passage.track.zone.sleeper_distances), len(passage.track.zone.pad_stiffness))
     approach = [sleeper for sleeper in passage.sleepers() if sleeper.position < 0.0]
@@ -220,7 +220,7 @@ def _draw_dimensions(axes: Axes, passage: Passage, side: int) -> None:
         )
 
 
-def _draw_key(figure: Figure, sheet: Sheet, site: Passage) -> None:
+def _draw_key(figure: Figure, sheet: Sheet, site: CrossingPassage) -> None:
     strip = site.track.strip
     handles = [
         Patch(facecolor=STRENGTHENED, edgecolor="white", label="strengthened sleeper"),

@@ -1,4 +1,4 @@
-"""What the pictures show of one simulated design, with positions measured from the first interface.
+"""What the pictures show of a passage over a level crossing, with positions measured from the first interface.
 
 | symbol | meaning | shape | unit |
 |---|---|---|---|
@@ -7,22 +7,15 @@
 | E_i | energy dissipated in the ballast damper under sleeper i | (s,) | N·m |
 """
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from railsearch.interfaces import Response, TrackModel
 from railsearch.space import FloatArray
+from railsearch_plugins.passage_figures.passage import DrawnPassage
 
-# Okabe & Ito's colours for all kinds of colour vision, after a dark grey for the design compared with.
-COLOURS = ("#444444", "#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00")
-MARKERS = ("o", "s", "^", "D", "v", "P")
-KILO = 1e3
 MEGA = 1e6
-SAME_PLACE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -35,14 +28,8 @@ class Sleeper:
 
 
 @dataclass(frozen=True)
-class Passage:
-    """One labelled design, the look of its curves, its track parameters and the simulated response with histories."""
-
-    label: str
-    colour: str
-    marker: str
-    track: Any
-    response: Response
+class CrossingPassage(DrawnPassage):
+    """A labelled passage over a level crossing."""
 
     @property
     def crossing_length(self) -> float:
@@ -95,18 +82,3 @@ class Passage:
 
     def _from_interface(self, history: str) -> FloatArray:
         return np.asarray(self.response.histories[history]) - float(self.track.geometry.approach_length)
-
-
-def compared_passages(model: TrackModel, parameters: Mapping[str, Any]) -> list[Passage]:
-    """Simulate every labelled design with histories."""
-    return [
-        Passage(
-            label, COLOURS[row % len(COLOURS)], MARKERS[row % len(MARKERS)], track, model.simulate(track, histories=True)
-        )
-        for row, (label, track) in enumerate(parameters.items())
-    ]
-
-
-def within(position: FloatArray, limits: Sequence[float]) -> NDArray[np.bool_]:
-    """Mask of the positions between two limits, both included."""
-    return np.asarray((position >= limits[0] - SAME_PLACE) & (position <= limits[1] + SAME_PLACE))
