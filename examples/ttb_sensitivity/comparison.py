@@ -8,7 +8,7 @@ import json
 import numpy as np
 
 from railsearch.run_directory import write_whole
-from railsearch.sensitivity.fitting import fitted_surrogate, surrogate_fit
+from railsearch.sensitivity.fitting import surrogate_fit, tried_surrogate
 
 DEFINITIONS = {"pass-by": {}, "from-the-start": {"track": {"sleeper_range": "all"}}}
 """The sleeper acceleration of the passage alone, and that of all sleepers from the start under the parked train on."""
@@ -43,7 +43,7 @@ def compared_surrogates(registry, data, seed, file):
             if key not in found:
                 print(f"{name}: {surrogate} of {len(output.values)} samples", flush=True)
                 fit = surrogate_fit(registry, surrogate, {}, data.inputs)
-                fitted = fitted_surrogate(fit, output.points, output.values, np.random.default_rng(seed))
+                fitted = tried_surrogate(fit, output.points, output.values, np.random.default_rng(seed))
                 found[key] = fitted.quality.document()
                 write_whole(file, json.dumps(found, indent=1).encode())
     return found

@@ -9,7 +9,7 @@
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -54,7 +54,7 @@ class SurrogateQuality:
 
 @dataclass(frozen=True)
 class FittedSurrogate:
-    """A surrogate of all samples, its quality, and what was predicted (k,) where `true` values (k,) were held out."""
+    """A surrogate, its quality, and what one that had not seen them predicted (k,) for `true` values (k,)."""
 
     model: SmoothFunction
     quality: SurrogateQuality
@@ -83,6 +83,26 @@ def fitted_surrogate(
 ) -> FittedSurrogate:
     """Fit to all samples, and measure ε_gen on a random `share` of them with a fit to the others.
 
+    Raises InputError as `tried_surrogate`, SurrogateError as the surrogate does.
+    """
+    tried = tried_surrogate(fit, points, values, generator, share)
+    model, seconds = _timed(fit, points, values)
+    quality = replace(
+        tried.quality,
+        samples=len(values),
+        leave_one_out=_leave_one_out(model),
+        terms=_terms(model),
+        fit_seconds=seconds[0],
+        value_seconds=seconds[1],
+    )
+    return FittedSurrogate(model, quality, tried.true, tried.predicted)
+
+
+def tried_surrogate(
+    fit: Fit, points: FloatArray, values: FloatArray, generator: np.random.Generator, share: float = HELD_OUT
+) -> FittedSurrogate:
+    """Fit to all samples but a random `share`, on which ε_gen is measured.
+
     Raises InputError for fewer than ten samples, an output that does not vary, and a share that is not inside (0, 1);
     SurrogateError as the surrogate does.
     """
@@ -94,15 +114,20 @@ def fitted_surrogate(
         raise InputError(f"held out: a share between 0 and 1 is needed, received {share:g}")
     order = generator.permutation(len(values))
     held, kept = np.split(order, [max(round(share * len(values)), 2)])
-    predicted = fit(points[kept], values[kept]).predict(points[held])
+    model, seconds = _timed(fit, points[kept], values[kept])
+    predicted = model.predict(points[held])
+    error = float(np.mean((values[held] - predicted) ** 2) / np.var(values))
+    quality = SurrogateQuality(len(kept), len(held), error, _leave_one_out(model), _terms(model), *seconds)
+    return FittedSurrogate(model, quality, values[held], predicted)
+
+
+def _timed(fit: Fit, points: FloatArray, values: FloatArray) -> tuple[SmoothFunction, tuple[float, float]]:
+    """A surrogate, and the seconds of its fit and of a value."""
     begin = time.perf_counter()
     model = fit(points, values)
     fitted = time.perf_counter()
     model.predict(points)
-    seconds = (time.perf_counter() - fitted) / len(values)
-    error = float(np.mean((values[held] - predicted) ** 2) / np.var(values))
-    quality = SurrogateQuality(len(values), len(held), error, _leave_one_out(model), _terms(model), fitted - begin, seconds)
-    return FittedSurrogate(model, quality, values[held], predicted)
+    return model, (fitted - begin, (time.perf_counter() - fitted) / len(values))
 
 
 def _leave_one_out(model: Any) -> float | None:
