@@ -54,7 +54,7 @@ class TrainTrackBridgeProblem(BridgeProblem):
     ) -> None:
         inputs = inputs or Inputs()
         distributions = uncertain_inputs(track, inputs)
-        space = _space(track, distributions, searched_ranges(track, inputs))
+        space = _space(track, distributions, searched_ranges(track, inputs, distributions))
         maximised = extreme == LARGEST
         super().__init__(
             name="train-track-bridge",

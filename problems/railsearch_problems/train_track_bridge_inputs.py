@@ -92,9 +92,12 @@ def uncertain_inputs(track: Any, inputs: Inputs | None = None) -> RandomVector:
         raise InputError(f"inputs.distributions.{error} with truncate = true under [inputs]") from None
 
 
-def searched_ranges(track: Any, inputs: Inputs) -> FloatArray:
-    """Bounds (d, 2): those of a distribution that has any, percentiles of others, cut off at a physical range or not."""
-    stated, kept = _stated(track, inputs), uncertain_inputs(track, inputs)
+def searched_ranges(track: Any, inputs: Inputs, kept: RandomVector) -> FloatArray:
+    """Bounds (d, 2): those of a distribution that has any, percentiles of others, cut off at a physical range or not.
+
+    kept: the `uncertain_inputs`.
+    """
+    stated = _stated(track, inputs)
     levels = kept.percentiles([inputs.level, 1.0 - inputs.level]).T
     own = zip(stated.marginals.values(), kept.marginals.values(), levels, strict=True)
     return np.array([inside.support if before.bounded else outer for before, inside, outer in own], dtype=float)

@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils import check_random_state
 from sklearn.utils.validation import check_is_fitted, validate_data
 
@@ -18,13 +17,14 @@ from ..polynomial_chaos.coordinates import Coordinates, coordinates_over, plain_
 from .parameters import INPUT_BOUNDS, GaussianProcessParameters
 from .placement import PlacedProcess
 from .process import GaussianProcess
+from .process_regressor import ProcessRegressor
 from .trend import DEGREES, PolynomialTrend, Trend
 
 OWN = ("inputs", "basis", "trend", "random_state")
 """Settings that are not those of the process."""
 
 
-class KrigingRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
+class KrigingRegressor(ProcessRegressor):
     """Gaussian process with a trend: prediction, standard deviation, gradients and leave-one-out error.
 
     inputs: the `RandomVector` of the columns in order; the process then lives in the coordinates t of their polynomials
@@ -83,41 +83,11 @@ class KrigingRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         self.nugget_added_ = self.process_.nugget_added
         return self
 
-    def predict(self, X: Any, return_std: bool = False) -> FloatArray | tuple[FloatArray, FloatArray]:
-        """Predictions (k,) at inputs X (k, d), with their standard deviations (k,) if these are asked for."""
-        points = self._checked(X)
-        predicted = self._model.predict(points)
-        return (predicted, self._model.deviation(points)) if return_std else predicted
-
-    def gradient(self, X: Any) -> FloatArray:
-        """Derivatives (k, d) of the prediction at inputs X (k, d)."""
-        return self._model.gradient(self._checked(X))
-
-    def deviation_gradient(self, X: Any) -> FloatArray:
-        """Derivatives (k, d) of the standard deviation at inputs X (k, d)."""
-        return self._model.deviation_gradient(self._checked(X))
-
-    @property
-    def loo_residuals(self) -> FloatArray:
-        """Each value less its prediction from the others (n,), at the same length scales. Source: Dubrule 1983."""
-        check_is_fitted(self)
-        return self.process_.leave_one_out_residuals
-
-    @property
-    def loo_error(self) -> float:
-        """The mean square of the leave-one-out residuals as a fraction of the variance of y."""
-        return self.errors["leave-one-out"]
-
     @property
     def errors(self) -> Mapping[str, float]:
         """Mean squared errors as fractions of the variance of y: `training` at the points, `leave-one-out`."""
         check_is_fitted(self)
         return self.process_.errors
-
-    def _checked(self, X: Any) -> FloatArray:
-        check_is_fitted(self)
-        points: FloatArray = validate_data(self, X, dtype=float, reset=False)
-        return points
 
     def _coordinates(self, X: FloatArray) -> Coordinates:
         if self.inputs is None:

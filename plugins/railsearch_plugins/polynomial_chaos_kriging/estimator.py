@@ -4,15 +4,14 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils import check_random_state
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from railsearch.distributions import RandomVector
 from railsearch.parameters import make_parameters
-from railsearch.space import FloatArray
 
 from ..gaussian_process.parameters import INPUT_BOUNDS
+from ..gaussian_process.process_regressor import ProcessRegressor
 from ..polynomial_chaos.columns import described_columns
 from .model import fit_polynomial_chaos_kriging
 from .parameters import PolynomialChaosKrigingParameters
@@ -21,7 +20,7 @@ OWN = ("inputs", "basis", "random_state")
 """Settings that are not those of the mathematics."""
 
 
-class PolynomialChaosKrigingRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
+class PolynomialChaosKrigingRegressor(ProcessRegressor):
     """PC-Kriging: prediction, standard deviation, gradients and leave-one-out error.
 
     inputs: the `RandomVector` of the columns in order; without it each is uniform over the range that it has in the data.
@@ -90,31 +89,6 @@ class PolynomialChaosKrigingRegressor(RegressorMixin, BaseEstimator):  # type: i
         self.nugget_added_ = self.process_.nugget_added
         return self
 
-    def predict(self, X: Any, return_std: bool = False) -> FloatArray | tuple[FloatArray, FloatArray]:
-        """Predictions (k,) at inputs X (k, d), with their standard deviations (k,) if these are asked for."""
-        points = self._checked(X)
-        predicted = self._model.predict(points)
-        return (predicted, self._model.deviation(points)) if return_std else predicted
-
-    def gradient(self, X: Any) -> FloatArray:
-        """Derivatives (k, d) of the prediction at inputs X (k, d)."""
-        return self._model.gradient(self._checked(X))
-
-    def deviation_gradient(self, X: Any) -> FloatArray:
-        """Derivatives (k, d) of the standard deviation at inputs X (k, d)."""
-        return self._model.deviation_gradient(self._checked(X))
-
-    @property
-    def loo_residuals(self) -> FloatArray:
-        """Each value less its prediction from the others (n,), with the same terms and length scales."""
-        check_is_fitted(self)
-        return self.process_.leave_one_out_residuals
-
-    @property
-    def loo_error(self) -> float:
-        """The mean square of the leave-one-out residuals as a fraction of the variance of y."""
-        return self.errors["leave-one-out"]
-
     @property
     def errors(self) -> Mapping[str, float]:
         """Mean squared errors as fractions of the variance of y.
@@ -124,11 +98,6 @@ class PolynomialChaosKrigingRegressor(RegressorMixin, BaseEstimator):  # type: i
         """
         check_is_fitted(self)
         return self._fitted.errors
-
-    def _checked(self, X: Any) -> FloatArray:
-        check_is_fitted(self)
-        points: FloatArray = validate_data(self, X, dtype=float, reset=False)
-        return points
 
     def _checked_parameters(self) -> PolynomialChaosKrigingParameters:
         values = {key: value for key, value in self.get_params(deep=False).items() if key not in OWN}
