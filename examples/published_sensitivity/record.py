@@ -11,9 +11,7 @@ TOP = "maximum"
 
 def make_record(cases, exact, grids, surrogates):
     """True importances, those on every grid, and those on the surrogates with how far they are from the true ones."""
-    places = [
-        (name, surrogate, size) for name, case in cases.items() for surrogate in SURROGATES for size in case.sizes
-    ]
+    places = [(name, surrogate, size) for name, case in cases.items() for surrogate in SURROGATES for size in case.sizes]
     chosen = {place: [found for key, found in surrogates.items() if key[:3] == place] for place in places}
     return {
         "format": FORMAT,
