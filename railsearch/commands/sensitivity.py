@@ -165,7 +165,10 @@ def sensitivity(
 def _data_of_ones_own(data: Path | None, distributions: Path | None) -> StudyData:
     if data is None or distributions is None:
         raise InputError("a problem is needed, or --data with --distributions; `railsearch list problem` has the problems")
-    return own_data(data, distributions)
+    found = own_data(data, distributions)
+    outputs = ", ".join(found.outputs) or "none"
+    messages.print(f"inputs: {', '.join(found.inputs.names)}; outputs, because they have no distribution: {outputs}")
+    return found
 
 
 def _model_samples(
