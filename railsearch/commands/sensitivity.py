@@ -110,7 +110,7 @@ def sensitivity(
     on a grid while all others do their worst. Beside the importances stand Sobol' indices, elementary effects and
     one-at-a-time shares. The extremes are confirmed by the problem. The same command goes on where it was stopped.
 
-        railsearch sensitivity train-track-bridge --samples 3000 --workers 2 --criterion A_s --thresholds 4,5 --seed 1
+        railsearch sensitivity train-track-bridge --samples 3000 -w 2 --criterion U_r --thresholds 0.002,0.0025 --seed 1
 
     Data of your own need no problem: a table of inputs and outputs, and a file with a table [distributions.INPUT] for each
     input (distribution = "normal", mean = …, std = …, and unit if you like):
