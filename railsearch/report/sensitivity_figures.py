@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 # Okabe & Ito's colours for all kinds of colour vision.
 WORST, TOTAL, SINGLE = "#0072B2", "#E69F00", "#999999"
-LINES = ("#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#000000")
+LINES = ("#56B4E9", "#009E73", "#E69F00", "#D55E00", "#CC79A7", "#0072B2", "#000000", "#999999")
 SAFE = "#009E73"
 INK = "#1b1b1b"
 COLUMNS = 4

@@ -192,7 +192,7 @@ def _studied(
     model = surrogate.model
     watch(f"{name}: extremes at {factors.number_of_values} grid values")
     extremes = extreme_surfaces(model, factors, generators["extremes"], SearchSettings(), output.quantity)
-    asked = [*settings.thresholds.get(name, ()), *np.percentile(output.values, QUANTILES)]
+    asked = sorted({*settings.thresholds.get(name, ()), *map(float, np.percentile(output.values, QUANTILES))})
     watch(f"{name}: classical measures")
     return CriterionStudy(
         output,
