@@ -96,6 +96,8 @@ def test_extrapolation_that_nothing_confirms_is_a_warning():
     data = StudyData("product", INPUTS, {}, {}, samples, {"y": Quantity("y", "kN")}, ("y",))
     (study,) = study_samples(load_plugins(), data, StudySettings(points=5), lambda words: None)
     assert any("it extrapolates, and nothing confirms it" in warning for warning in study.warnings)
+    (study,) = confirm([study], Product(), simulators(Product()))
+    assert study.warnings == []
 
 
 def test_measures_from_samples_are_those_of_the_function():
