@@ -93,7 +93,7 @@ def test_extrapolation_that_nothing_confirms_is_a_warning():
     points = 0.5 + 0.1 * np.random.default_rng(2).random((40, 2))
     columns = dict(zip(SPACE.names, points.T, strict=True))
     samples = Samples("memory", columns, {"y": values_at(points)}, {}, {"y": "kN"}, ("",) * 40)
-    data = StudyData("product", INPUTS, {}, {}, samples, {"y": Quantity("y", "kN")}, ("y",))
+    data = StudyData("product", INPUTS, {}, {}, samples, {"y": MAXIMISED}, ("y",))
     (study,) = study_samples(load_plugins(), data, StudySettings(points=5), lambda words: None)
     assert any("it extrapolates, and nothing confirms it" in warning for warning in study.warnings)
     (study,) = confirm([study], Product(), simulators(Product()))
