@@ -33,6 +33,7 @@ from railsearch.samples import (
     LEVELS,
     Experiment,
     ExperimentDesign,
+    MeasureDesign,
     SampleFile,
     evaluate_samples,
     experiment_identity,
@@ -44,7 +45,7 @@ from railsearch.seeding import checked_seed
 from railsearch.simulation import Simulators, simulators
 from railsearch.wording import quantity_label, readable
 
-DESIGN_WORDS = {
+DESIGN_WORDS: Mapping[str, str] = {
     ExperimentDesign.RANDOM: "random designs",
     ExperimentDesign.LHS: "designs of a Latin hypercube",
     ExperimentDesign.SOBOL: "designs of a Sobol' sequence",
@@ -104,7 +105,7 @@ def sampled_into(
     out: Path,
     registry: Registry,
     asked: Asked,
-    wanted: tuple[ExperimentDesign, int, int | None],
+    wanted: tuple[ExperimentDesign | MeasureDesign, int, int | None],
     simulating: Simulators,
 ) -> tuple[Experiment, list[Evaluation]]:
     """Evaluate an experiment (its design, number and seed are `wanted`) into a file, as far as that has not been done."""

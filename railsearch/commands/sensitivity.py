@@ -1,15 +1,15 @@
 """The command that finds out which inputs move the worst response: sensitivity."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.table import Table
 
 from railsearch.commands.options import (
     AsJson,
+    Asked,
     Assignments,
     Parameters,
     asked_problem,
@@ -20,24 +20,24 @@ from railsearch.commands.options import (
     results,
 )
 from railsearch.commands.sampling import sampled_into
+from railsearch.commands.sensitivity_words import print_study
 from railsearch.errors import InputError
 from railsearch.plugin_manager import Registry, load_plugins
 from railsearch.run_directory import make_folder, write_whole
-from railsearch.samples import ExperimentDesign
+from railsearch.samples import ExperimentDesign, MeasureDesign, read_samples
 from railsearch.seeding import checked_seed
 from railsearch.sensitivity.thresholds import LIMITS, UPPER
 from railsearch.sensitivity_study import (
-    CriterionStudy,
+    ModelSamples,
+    StudyData,
     StudySettings,
     own_data,
     problem_data,
     study_document,
     study_samples,
 )
-from railsearch.simulation import simulators
-from railsearch.wording import quantity_label, readable
-
-SHOWN = 6
+from railsearch.sensitivity_study import confirm as confirmed
+from railsearch.simulation import Simulators, simulators
 
 
 def sensitivity(
@@ -75,6 +75,23 @@ def sensitivity(
     level: Annotated[
         float, typer.Option("--level", help="Percentile, as a fraction, that bounds an input without bounds.")
     ] = 0.01,
+    refits: Annotated[
+        int,
+        typer.Option("--refits", metavar="B", help="Spread of the importances over fits to B parts of the samples.", min=0),
+    ] = 0,
+    on_model: Annotated[
+        int,
+        typer.Option(
+            "--on-model",
+            metavar="N",
+            help="Sobol' indices and elementary effects of the problem itself too, by N (2d + 3) more evaluations of it "
+            "with d inputs; a power of two.",
+            min=0,
+        ),
+    ] = 0,
+    confirm: Annotated[
+        bool, typer.Option(help="Evaluate the problem where its surrogates have their largest and smallest values.")
+    ] = True,
     seed: Annotated[int | None, typer.Option("--seed", help="Seed; drawn and reported if not given.")] = None,
     parameters: Parameters = None,
     assigned: Assignments = None,
@@ -91,9 +108,9 @@ def sensitivity(
 
     Samples of the problem are evaluated, or read with --data; a surrogate is fitted to each criterion; every input is held
     on a grid while all others do their worst. Beside the importances stand Sobol' indices, elementary effects and
-    one-at-a-time shares. The same command goes on where it was stopped.
+    one-at-a-time shares. The extremes are confirmed by the problem. The same command goes on where it was stopped.
 
-        railsearch sensitivity train-track-bridge --samples 3000 --workers 2 --criterion A_s --thresholds 4,5 --seed 1
+        railsearch sensitivity train-track-bridge --samples 3000 -w 2 --criterion U_r --thresholds 0.002,0.0025 --seed 1
 
     Data of your own need no problem: a table of inputs and outputs, and a file with a table [distributions.INPUT] for each
     input (distribution = "normal", mean = …, std = …, and unit if you like):
@@ -101,10 +118,10 @@ def sensitivity(
         railsearch sensitivity --data measured.csv --distributions inputs.toml --criterion deflection
     """
     registry, folder = load_plugins(), out or Path(f"{name or (data.stem if data else 'data')}-sensitivity")
-    if name is None and data is not None and distributions is not None:
-        found = own_data(data, distributions)
-    elif name is None:
-        raise InputError("a problem is needed, or --data with --distributions; `railsearch list problem` has the problems")
+    if name is None:
+        asked, found = None, _data_of_ones_own(data, distributions)
+        if on_model:
+            raise InputError("--on-model: data of your own have no model that could be evaluated; leave it out")
     elif distributions is not None:
         raise InputError("--distributions: they belong to data of your own; those of a problem are in its site file")
     else:
@@ -123,9 +140,16 @@ def sensitivity(
         assignments(surrogate_set),
         level,
         limit,
+        refits,
         checked_seed(seed),
     )
-    studies = study_samples(registry, found, settings, messages.print)
+    model = None
+    if asked is not None and on_model:
+        model = _model_samples(registry, asked, folder, on_model, seed, lambda: simulators(asked.problem, timeout, workers))
+    studies = study_samples(registry, found, settings, messages.print, model)
+    if asked is not None and confirm:
+        messages.print("confirming the extremes by the problem itself")
+        studies = confirmed(studies, asked.problem, simulators(asked.problem, timeout, workers))
     document = study_document(found, settings, studies, command_line())
     make_folder(folder)
     write_whole(folder / "sensitivity.json", json.dumps(document, ensure_ascii=False, allow_nan=False).encode())
@@ -134,8 +158,29 @@ def sensitivity(
         print_json(document)
         return
     for study in studies:
-        _print_study(study)
+        print_study(study)
     results().print(f"seed {settings.seed}; everything is in {folder}")
+
+
+def _data_of_ones_own(data: Path | None, distributions: Path | None) -> StudyData:
+    if data is None or distributions is None:
+        raise InputError("a problem is needed, or --data with --distributions; `railsearch list problem` has the problems")
+    found = own_data(data, distributions)
+    outputs = ", ".join(found.outputs) or "none"
+    messages.print(f"inputs: {', '.join(found.inputs.names)}; outputs, because they have no distribution: {outputs}")
+    return found
+
+
+def _model_samples(
+    registry: Registry, asked: Asked, folder: Path, count: int, seed: int | None, simulating: Callable[[], Simulators]
+) -> ModelSamples:
+    """The problem evaluated in `count` blocks and along as many trajectories, as far as that has not been done."""
+    samples, names = {}, asked.problem.space.names
+    for design in MeasureDesign:
+        file = folder / f"{design}-{count}.parquet"
+        sampled_into(file, registry, asked, (design, design.number(count, len(names)), seed), simulating())
+        samples[design] = read_samples(file, names)
+    return ModelSamples(samples[MeasureDesign.SALTELLI], samples[MeasureDesign.MORRIS])
 
 
 def _draw(folder: Path, document: Mapping[str, Any]) -> None:
@@ -166,29 +211,3 @@ def _thresholds(text: str, criteria: Sequence[str]) -> dict[str, list[float]]:
         return {criteria[0]: [float(part) for part in text.split(",")]}
     except ValueError:
         raise InputError(f"--thresholds: numbers with commas between them are needed, received {text!r}") from None
-
-
-def _print_study(study: CriterionStudy) -> None:
-    quantity, quality, console = study.output.quantity, study.surrogate.quality, results()
-    console.rule(quantity_label(quantity.name, quantity.unit), align="left")
-    dropped = f", {study.output.failed} failed and {study.output.repeated} repeated left out"
-    console.print(
-        f"{quality.samples} samples{dropped}; error of the surrogate on {quality.held_out} of them, held out, "
-        f"{quality.generalisation:.2g} of the variance"
-    )
-    importances = study.extremes.importances()
-    first = sorted(importances, key=lambda name: -importances[name])
-    table = Table("input", "worst case", "Sobol' total", "one at a time", "mean |effect|", box=None, pad_edge=False)
-    names = study.extremes.factors.names
-    for name in first[:SHOWN]:
-        place = names.index(name)
-        shares = (importances[name], study.sobol.total[place], study.one_at_a_time.importances[place])
-        table.add_row(name, *(f"{share:.1%}" for share in shares), readable(float(study.morris.mean_absolute[place])))
-    console.print(table)
-    for threshold in study.thresholds.thresholds:
-        console.print(study.thresholds.message(threshold))
-        units = {variable.name: variable.unit for variable in study.extremes.factors.space.variables}
-        for factor in threshold.factors:
-            if factor.critical and factor.safe:
-                spans = " or ".join(f"{readable(low)} to {readable(high)}" for low, high in factor.safe)
-                console.print(f"  out of reach with {factor.name} in {spans} {units[factor.name]}".rstrip())

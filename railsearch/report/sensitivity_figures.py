@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 # Okabe & Ito's colours for all kinds of colour vision.
 WORST, TOTAL, SINGLE = "#0072B2", "#E69F00", "#999999"
-LINES = ("#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#000000")
+LINES = ("#56B4E9", "#009E73", "#E69F00", "#D55E00", "#CC79A7", "#0072B2", "#000000", "#999999")
 SAFE = "#009E73"
 INK = "#1b1b1b"
 COLUMNS = 4
@@ -54,6 +54,8 @@ def importance_figure(criterion: Document) -> Figure:
         xerr=[half[name] for name in names], error_kw={"ecolor": INK, "elinewidth": 0.8},
     )  # fmt: skip
     axes.barh(place - 0.27, [single[name] for name in names], 0.26, color=SINGLE, label="one at a time, from the middle")
+    _spread_lines(axes, criterion, names)
+    _model_marks(axes, criterion, names)
     axes.set_yticks(place, names, fontsize=9)
     axes.xaxis.set_major_formatter(PercentFormatter(1.0))
     axes.set_xlim(left=0.0)
@@ -62,10 +64,35 @@ def importance_figure(criterion: Document) -> Figure:
     _title(figure, f"What moves {_label(criterion)}")
     figure.set_label(
         f"Shares of the inputs in {criterion['name']}: of the movement of its largest values when all other inputs do their "
-        "worst, of its variance (the total indices sum to more than one where inputs interact; lines are 95 % confidence), "
-        "and with all other inputs in the middle of their ranges."
+        "worst, of its variance (the total indices sum to more than one where inputs interact), and with all other inputs "
+        "in the middle of their ranges. Lines hold 95 % of what is estimated."
     )
     return figure
+
+
+def _spread_lines(axes: Axes, criterion: Document, names: Sequence[str]) -> None:
+    """Over the bars of the worst case, where most refits have them."""
+    if spread := criterion["spread"]:
+        ends = {row["name"]: (row["lower"], row["upper"]) for row in spread["factors"]}
+        axes.hlines(np.arange(len(names)) + 0.27, *np.array([ends[name] for name in names]).T, color=INK, lw=0.8)
+
+
+def _model_marks(axes: Axes, criterion: Document, names: Sequence[str]) -> None:
+    """Over the bars of the variance, the total indices of the model itself."""
+    if measures := criterion["on_model"]:
+        found = measures["sobol"]
+        places = [found["inputs"].index(name) for name in names]
+        shares, widths = (_numbers(found[key])[places] for key in ("total", "total_half_width"))
+        axes.errorbar(
+            shares,
+            np.arange(len(names)),
+            xerr=widths,
+            fmt="D",
+            ms=3.5,
+            color=INK,
+            lw=0.8,
+            label="variance, on the model itself",
+        )
 
 
 def curve_figure(criterion: Document) -> Figure:

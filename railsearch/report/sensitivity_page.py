@@ -59,47 +59,68 @@ def _leading(importances: Mapping[str, float]) -> list[str]:
 
 
 def _overview(criteria: Any) -> str:
-    titles = ["output", "samples", "left out", "error on held-out samples, of the variance", "smallest", "largest", "check"]
-    rows = []
+    titles = ["output", "samples", "left out", "error", "they reach", "extremes", "the model there", "check"]
+    rows, warnings = [], []
     for criterion in criteria:
-        effort, extremes = criterion["extremes"]["effort"], criterion["extremes"]["extremes"]
-        left_out = criterion["samples"]["failed"] + criterion["samples"]["repeated"]
-        held = effort["check"] is None or effort["check"]["held"]
+        samples, extremes = criterion["samples"], criterion["extremes"]["extremes"]
         rows.append(
             [
                 labelled(criterion),
-                criterion["samples"]["used"],
-                left_out,
+                samples["used"],
+                samples["failed"] + samples["repeated"],
                 f"{criterion['surrogate']['generalisation']:.1e}",
-                readable(extremes["minimum"]),
-                readable(extremes["maximum"]),
-                "no sampled point is more extreme"
-                if held
-                else "a sampled point was more extreme at the end: raise the work",
+                f"{readable(samples['minimum'])} to {readable(samples['maximum'])}",
+                f"{readable(extremes['minimum'])} to {readable(extremes['maximum'])}",
+                _confirmed(criterion["confirmed"]),
+                _check(criterion["extremes"]["effort"]["check"]),
             ]
         )
-    return table(titles, rows, numbers=(1, 2, 3, 4, 5))
+        warnings += [f"{criterion['name']}: {warning}" for warning in criterion["warnings"]]
+    listed = "".join(f"<li>{escaped(warning)}</li>" for warning in warnings)
+    words = "<p>Error: of the surrogate on samples it had not seen, of the variance.</p>"
+    return table(titles, rows, numbers=range(1, 7)) + words + (f"<ul>{listed}</ul>" if warnings else "")
+
+
+def _confirmed(confirmed: Document) -> str:
+    """The model's values where the surrogate has its extremes."""
+    if not confirmed:
+        return "not asked"
+    values = [confirmed[sense]["model"] for sense in ("minimum", "maximum")]
+    return " to ".join("failed" if value is None else readable(value) for value in values)
+
+
+def _check(check: Document | None) -> str:
+    if check is None or check["held"]:
+        return "no sampled point is more extreme"
+    return "a sampled point was more extreme at the end: raise the work"
 
 
 def _importances(criterion: Document) -> str:
-    sobol, morris = criterion["sobol"], criterion["morris"]
-    places = {name: place for place, name in enumerate(sobol["inputs"])}
-    importances = criterion["importances"]
-    rows = [
-        [
-            name,
-            f"{importances[name]:.2%}",
-            f"{sobol['first'][places[name]]:.2%}",
-            f"{sobol['total'][places[name]]:.2%}",
-            f"{criterion['one_at_a_time']['importances'][name]:.2%}",
-            readable(morris["mean_absolute"][places[name]]),
-            readable(morris["deviation"][places[name]]),
-        ]
-        for name in sorted(importances, key=lambda name: -importances[name])
-    ]
-    effect = f"mean |effect| [{criterion['unit']}]" if criterion["unit"] else "mean |effect|"
-    titles = ["input", "worst case", "Sobol' first", "Sobol' total", "one at a time", effect, "its deviation"]
-    return table(titles, rows, numbers=range(1, 7))
+    importances, columns = criterion["importances"], _measures(criterion)
+    order = sorted(importances, key=lambda name: -importances[name])
+    places = [criterion["sobol"]["inputs"].index(name) for name in order]
+    rows = [[name, *(cells[place] for cells in columns.values())] for name, place in zip(order, places, strict=True)]
+    return table(["input", *columns], rows, numbers=range(1, len(columns) + 1))
+
+
+def _measures(criterion: Document) -> dict[str, list[str]]:
+    """Columns of the table of importances: a cell for each input in the order of the indices."""
+    names, unit = criterion["sobol"]["inputs"], f" [{criterion['unit']}]" if criterion["unit"] else ""
+    columns = {"worst case": [f"{criterion['importances'][name]:.2%}" for name in names]}
+    if spread := criterion["spread"]:
+        title = f"{spread['level']:.0%} of {spread['refits']} refits"
+        columns[title] = [f"{row['lower']:.2%} to {row['upper']:.2%}" for row in spread["factors"]]
+    columns |= {f"Sobol' {kind}": [f"{share:.2%}" for share in criterion["sobol"][kind]] for kind in ("first", "total")}
+    shares = criterion["one_at_a_time"]["importances"]
+    columns["one at a time"] = [f"{shares[name]:.2%}" for name in names]
+    columns[f"mean |effect|{unit}"] = [readable(value) for value in criterion["morris"]["mean_absolute"]]
+    columns["its deviation"] = [readable(value) for value in criterion["morris"]["deviation"]]
+    if measures := criterion["on_model"]:
+        for kind in ("first", "total"):
+            pairs = zip(measures["sobol"][kind], measures["sobol"][f"{kind}_half_width"], strict=True)
+            columns[f"Sobol' {kind}, model"] = [f"{share:.2%} ± {half:.2%}" for share, half in pairs]
+        columns[f"mean |effect|, model{unit}"] = [readable(value) for value in measures["morris"]["mean_absolute"]]
+    return columns
 
 
 def _thresholds(criterion: Document) -> str:

@@ -32,11 +32,27 @@ class ExperimentDesign(StrEnum):
         return self is not ExperimentDesign.LHS
 
 
+class MeasureDesign(StrEnum):
+    """Designs from which classical measures of sensitivity are computed: blocks of Saltelli, trajectories of Morris."""
+
+    SALTELLI = "saltelli"
+    MORRIS = "morris"
+
+    @property
+    def extensible(self) -> bool:
+        """Neither begins with the designs of a smaller one."""
+        return False
+
+    def number(self, count: int, dimension: int) -> int:
+        """The designs of `count` blocks of d + 2, or trajectories of d + 1."""
+        return count * (dimension + (2 if self is MeasureDesign.SALTELLI else 1))
+
+
 @dataclass(frozen=True)
 class Experiment:
     """How many designs, how they fill the space, and the seed. Raises InputError for a number that is not positive."""
 
-    design: ExperimentDesign
+    design: ExperimentDesign | MeasureDesign
     number: int
     seed: int
 
@@ -53,15 +69,31 @@ POINTS: Mapping[ExperimentDesign, Callable[[RandomVector, int, np.random.Generat
 def designs_of(problem: DesignProblem, experiment: Experiment) -> FloatArray:
     """The designs (n, d) of an experiment; the same in every process.
 
-    Random ones are drawn from the stream that a strategy of a search with this seed has.
+    Random ones are drawn from the stream that a strategy of a search with this seed has. Raises InputError for a number of
+    Saltelli's blocks that is no power of two, and for fewer than two trajectories.
     """
-    vector = input_distributions(problem)
-    points = POINTS[experiment.design](vector, experiment.number, run_generators(experiment.seed).strategy)
+    vector, generator = input_distributions(problem), run_generators(experiment.seed).strategy
+    if isinstance(experiment.design, MeasureDesign):
+        points = _measure_points(problem, vector, experiment, generator)
+    else:
+        points = POINTS[experiment.design](vector, experiment.number, generator)
     low, high = np.array([marginal.support for marginal in vector.marginals.values()]).T
     whole = np.clip(np.round(points), np.ceil(low), np.floor(high))
     # Adding zero makes positive zeros of negative ones, as the designs of a search have.
     designs: FloatArray = np.where(problem.space.integer, whole, points) + 0.0
     return designs
+
+
+def _measure_points(
+    problem: DesignProblem, vector: RandomVector, experiment: Experiment, generator: np.random.Generator
+) -> FloatArray:
+    from railsearch.sensitivity.screening import trajectory_points
+    from railsearch.sensitivity.variance_based import saltelli_points
+
+    count = experiment.number // MeasureDesign(experiment.design).number(1, vector.dimension)
+    if experiment.design is MeasureDesign.SALTELLI:
+        return saltelli_points(vector, count, generator)
+    return trajectory_points(problem.space, count, generator)
 
 
 def input_distributions(problem: DesignProblem) -> RandomVector:

@@ -141,7 +141,7 @@ def check_same_samples(path: Path, begun: Mapping[str, Any], document: Mapping[s
             f"{path} holds a sample of {there}, more than {here}. Nothing was changed: use another --out, or "
             f"--number {there}"
         )
-    if here > there and not ExperimentDesign(old["design"]).extensible:
+    if here > there and old["design"] == ExperimentDesign.LHS:
         raise StorageError(
             f"{path} holds a Latin hypercube of {there}, which is no part of one of {here}: each has one sample in each of "
             "as many intervals as it has samples. Nothing was changed: use another --out, or a design that can grow, "

@@ -103,11 +103,16 @@ def tried_surrogate(
 ) -> FittedSurrogate:
     """Fit to all samples but a random `share`, on which ε_gen is measured.
 
-    Raises InputError for fewer than ten samples, an output that does not vary, and a share that is not inside (0, 1);
-    SurrogateError as the surrogate does.
+    Raises InputError for fewer than ten or d + 2 samples, an output that does not vary, and a share that is not inside
+    (0, 1); SurrogateError as the surrogate does.
     """
-    if len(values) < FEWEST_SAMPLES:
-        raise InputError(f"samples: {FEWEST_SAMPLES} or more are needed, received {len(values)}; evaluate more of them")
+    dimension = points.shape[1]
+    fewest = max(FEWEST_SAMPLES, dimension + 2)
+    if len(values) < fewest:
+        raise InputError(
+            f"samples: {fewest} or more are needed with {dimension} inputs, for a constant, a slope for each and an error, "
+            f"received {len(values)}; evaluate more of them"
+        )
     if not np.ptp(values) > 0.0:
         raise InputError(f"the output is {values[0]:g} in all {len(values)} samples: there is nothing to explain")
     if not 0.0 < share < 1.0:

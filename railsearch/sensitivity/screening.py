@@ -88,18 +88,33 @@ def elementary_effects(
     function: values (k,) at points (k, d) in the factors' units, NaN where it failed. Raises InputError for fewer than two
     trajectories and an output that does not vary, SimulationError if fewer than two trajectories are whole.
     """
-    from SALib.analyze import morris as analysis
+    points = trajectory_points(space, trajectories, generator)
+    return effects_along(space, points, np.asarray(function(points), dtype=float), generator)
+
+
+def trajectory_points(space: Space, trajectories: int, generator: np.random.Generator) -> FloatArray:
+    """The points (r (d + 1), d) at which a function must be known. Raises InputError for fewer than two trajectories."""
     from SALib.sample import morris as design
 
     if trajectories < 2:
         raise InputError(f"trajectories: two or more are needed, received {trajectories}")
-    problem = unit_problem(space.names)
-    unit = design.sample(problem, trajectories, num_levels=LEVELS, seed=int(generator.integers(2**31)))
-    values = np.asarray(function(space.from_unit(unit)), dtype=float)
+    problem, seed = unit_problem(space.names), int(generator.integers(2**31))
+    return space.from_unit(design.sample(problem, trajectories, num_levels=LEVELS, seed=seed))
+
+
+def effects_along(space: Space, points: FloatArray, values: FloatArray, generator: np.random.Generator) -> ElementaryEffects:
+    """μ* and σ from values (r (d + 1),) at `trajectory_points`; generator: resamples them for the confidence intervals.
+
+    Raises InputError and SimulationError as `elementary_effects`.
+    """
+    from SALib.analyze import morris as analysis
+
+    trajectories = len(values) // (space.dimension + 1)
     blocks = whole_blocks(values, trajectories)
     kept = np.isfinite(values.reshape(trajectories, -1)).all(axis=1)
-    points = unit.reshape(trajectories, -1, space.dimension)[kept].reshape(-1, space.dimension)
-    found = analysis.analyze(problem, points, blocks.ravel(), num_levels=LEVELS, seed=int(generator.integers(2**31)))
+    unit = space.to_unit(points).reshape(trajectories, -1, space.dimension)[kept].reshape(-1, space.dimension)
+    seed = int(generator.integers(2**31))
+    found = analysis.analyze(unit_problem(space.names), unit, blocks.ravel(), num_levels=LEVELS, seed=seed)
     mean, half, deviation = (np.asarray(found[key], dtype=float) for key in ("mu_star", "mu_star_conf", "sigma"))
     return ElementaryEffects(space.names, mean, half, deviation, len(values), trajectories - len(blocks))
 

@@ -7,11 +7,12 @@
 | T_i | total index E Var[Y | X_j, j ≠ i] / Var Y | (d,) | - |
 | n | base sample; n (d + 2) evaluations are made | scalar | - |
 
-Estimated by SALib (Herman & Usher 2017): Saltelli et al. 2010 for S, Jansen 1999 for T, on scrambled Sobol' points.
+Estimated by SALib (Herman & Usher 2017): Saltelli et al. 2010 for S, Jansen 1999 for T, on scrambled Sobol' points. Those
+of a polynomial chaos expansion follow from its coefficients (Sudret 2008).
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -30,7 +31,7 @@ CONFIDENCE = 0.95
 class SobolIndices:
     """Indices of the inputs `names`, each (d,), with the half widths of their 95 % confidence intervals.
 
-    evaluations: how many were made; dropped: blocks of d + 2 of them in which one failed.
+    evaluations: how many were made, 0 for closed form; dropped: blocks of d + 2 of them in which one failed.
     """
 
     names: tuple[str, ...]
@@ -48,9 +49,28 @@ class SobolIndices:
             "inputs": list(self.names),
             **{column: plain(getattr(self, column)) for column in columns},
             "confidence": CONFIDENCE,
+            "closed_form": self.evaluations == 0,
             "evaluations": self.evaluations,
             "dropped_blocks": self.dropped,
         }
+
+
+class Decomposition(Protocol):
+    """An expansion that knows its indices."""
+
+    @property
+    def first_order_indices(self) -> FloatArray:
+        """S (d,)."""
+
+    @property
+    def total_indices(self) -> FloatArray:
+        """T (d,)."""
+
+
+def closed_form_indices(names: tuple[str, ...], expansion: Decomposition) -> SobolIndices:
+    """S and T of an expansion over orthonormal polynomials of its inputs: nothing is estimated, half widths are 0."""
+    exact = np.zeros(len(names))
+    return SobolIndices(names, expansion.first_order_indices, exact, expansion.total_indices, exact, 0, 0)
 
 
 def sobol_indices(function: Function, inputs: RandomVector, base: int, generator: np.random.Generator) -> SobolIndices:
@@ -59,22 +79,40 @@ def sobol_indices(function: Function, inputs: RandomVector, base: int, generator
     function: values (k,) at points (k, d), NaN where it failed; base: n, a power of two. Raises InputError for another n,
     an output that does not vary, and SimulationError if fewer than two blocks are whole.
     """
-    from SALib.analyze import sobol as analysis
+    values = np.asarray(function(saltelli_points(inputs, base, generator)), dtype=float)
+    return indices_of_blocks(inputs.names, values, generator)
+
+
+def saltelli_points(inputs: RandomVector, base: int, generator: np.random.Generator) -> FloatArray:
+    """The points (n (d + 2), d) at which a function must be known; n is `base`. Raises InputError unless a power of two."""
     from SALib.sample import sobol as design
 
     if base < 2 or base & (base - 1):
         raise InputError(f"base sample: a power of two from 2 is needed for Sobol' points, received {base}")
-    problem = unit_problem(inputs.names)
-    unit = design.sample(problem, base, calc_second_order=False, seed=generator)
-    values = np.asarray(function(inputs.from_uniform(np.clip(unit, FACE, 1.0 - FACE))), dtype=float)
+    unit = design.sample(unit_problem(inputs.names), base, calc_second_order=False, seed=generator)
+    return inputs.from_uniform(np.clip(unit, FACE, 1.0 - FACE))
+
+
+def indices_of_blocks(names: tuple[str, ...], values: FloatArray, generator: np.random.Generator) -> SobolIndices:
+    """S and T from values (n (d + 2),) at `saltelli_points`; generator: resamples them for the confidence intervals.
+
+    Raises InputError and SimulationError as `sobol_indices`.
+    """
+    from SALib.analyze import sobol as analysis
+
+    base = len(values) // (len(names) + 2)
     blocks = whole_blocks(values, base)
     found = analysis.analyze(
-        problem, blocks.ravel(), calc_second_order=False, conf_level=CONFIDENCE, seed=int(generator.integers(2**31))
+        unit_problem(names),
+        blocks.ravel(),
+        calc_second_order=False,
+        conf_level=CONFIDENCE,
+        seed=int(generator.integers(2**31)),
     )
     first, first_half, total, total_half = (
         np.asarray(found[key], dtype=float) for key in ("S1", "S1_conf", "ST", "ST_conf")
     )
-    return SobolIndices(inputs.names, first, first_half, total, total_half, len(values), base - len(blocks))
+    return SobolIndices(names, first, first_half, total, total_half, len(values), base - len(blocks))
 
 
 def unit_problem(names: tuple[str, ...]) -> dict[str, Any]:

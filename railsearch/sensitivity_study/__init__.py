@@ -8,10 +8,12 @@ from railsearch.sensitivity_study.data import (
     problem_data,
     sampled_output,
 )
+from railsearch.sensitivity_study.on_model import ModelSamples
 from railsearch.sensitivity_study.study import (
     FORMAT,
     CriterionStudy,
     StudySettings,
+    confirm,
     study_document,
     study_samples,
 )
@@ -19,10 +21,12 @@ from railsearch.sensitivity_study.study import (
 __all__ = [
     "FORMAT",
     "CriterionStudy",
+    "ModelSamples",
     "SampledOutput",
     "StudyData",
     "StudySettings",
     "check_independent",
+    "confirm",
     "own_data",
     "problem_data",
     "sampled_output",

@@ -104,9 +104,12 @@ def _checked(data: StudyData) -> StudyData:
 def sampled_output(quantity: Quantity, points: FloatArray, values: FloatArray) -> SampledOutput:
     """The samples of an output that can be used: those with a value, each design once.
 
-    Raises InputError if designs that are the same have different values: the model has something random.
+    Raises InputError if no sample has a value, and if designs that are the same have different values: the model has
+    something random.
     """
     known = np.isfinite(values)
+    if not known.any():
+        raise InputError(f"{quantity.name}: none of {len(values)} samples has a value; look at why they failed")
     points, kept = points[known], values[known]
     _, first, inverse = np.unique(points, axis=0, return_index=True, return_inverse=True)
     differing = kept != kept[first][inverse]

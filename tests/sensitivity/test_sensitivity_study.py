@@ -20,6 +20,7 @@ INPUTS = random_vector(
         "c": {"distribution": "normal", "mean": 0.0, "std": 3.0},
     }
 )
+UNIT = {"distribution": "uniform", "lower": 0.0, "upper": 1.0}
 OUTPUT = Quantity("y", "m")
 PUBLISHED = {"E1": 0.3952, "A1": 0.3703, "P3": 0.0652, "P4": 0.0652, "P5": 0.0314, "P2": 0.0314, "A2": 0.0180, "E2": 0.0154}
 
@@ -85,6 +86,8 @@ def test_failed_and_repeated_samples_are_left_out_and_counted():
     found = sampled_output(OUTPUT, *doubled)
     assert (len(found.values), found.failed, found.repeated) == (28, 3, 4)
     np.testing.assert_array_equal(found.points, np.delete(points, [3, 7], axis=0))
+    with pytest.raises(InputError, match="y: none of 30 samples has a value"):
+        sampled_output(OUTPUT, points, np.full(30, np.nan))
     doubled[1][-1] += 1.0
     with pytest.raises(InputError, match=r"y: the same inputs have the values .* needs a model without randomness"):
         sampled_output(OUTPUT, *doubled)
@@ -92,12 +95,24 @@ def test_failed_and_repeated_samples_are_left_out_and_counted():
 
 @pytest.mark.parametrize(
     ("values", "message"),
-    [(np.ones(50), "the output is 1 in all 50 samples"), (np.arange(5.0), "10 or more are needed, received 5")],
+    [
+        (np.ones(50), "the output is 1 in all 50 samples"),
+        (np.arange(5.0), "10 or more are needed with 3 inputs, .* received 5"),
+    ],
 )
 def test_samples_that_cannot_be_explained_are_refused(values, message):
     points = samples(len(values))[0]
     with pytest.raises(InputError, match=message):
         fitted_surrogate(surrogate_fit(load_plugins(), "pce", {}, INPUTS), points, values, np.random.default_rng(0))
+
+
+def test_more_samples_than_inputs_are_needed():
+    """A linear function of d inputs has d + 1 terms, and an error needs one sample more."""
+    fit = surrogate_fit(load_plugins(), "pce", {}, random_vector({f"x{k}": UNIT for k in range(16)}))
+    points = np.random.default_rng(0).random((18, 16))
+    with pytest.raises(InputError, match=r"18 or more are needed with 16 inputs, .* received 17"):
+        fitted_surrogate(fit, points[:17], points[:17, 0], np.random.default_rng(1))
+    assert fitted_surrogate(fit, points, points[:, 0], np.random.default_rng(1)).quality.samples == 18
 
 
 def test_correlated_inputs_are_refused_and_a_small_hypercube_is_not():
@@ -169,6 +184,7 @@ def test_command_on_data_of_ones_own(railsearch, own):
     assert answer.code == 0, answer.err
     document = json.loads(answer.out)
     (criterion,) = document["criteria"]
+    assert "inputs: a, b, c; outputs, because they have no distribution: y" in answer.err
     assert (criterion["name"], criterion["unit"]) == ("y", "m")
     assert document["inputs"][0]["unit"] == "mm"
     curve = next(factor for factor in criterion["extremes"]["factors"] if factor["name"] == "a")
