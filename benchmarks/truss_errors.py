@@ -15,14 +15,23 @@ def truss_inputs():
     return Truss().distributions
 
 
-def measured(model, size, seed):
-    """ε_gen = E[(g − ĝ)²]/Var(g) on fresh points, and seconds of the fit to a Latin hypercube."""
+def truss_points(size, seed):
+    """A Latin hypercube (size, 10) to fit to, and fresh random points (10 000, 10) to be tried on."""
     inputs, generator = truss_inputs(), np.random.default_rng(seed)
     points = latin_hypercube(inputs, size, generator)
-    fresh = inputs.from_uniform(generator.random((FRESH, inputs.dimension)))
+    return points, inputs.from_uniform(generator.random((FRESH, inputs.dimension)))
+
+
+def measured(model, size, seed):
+    """ε_gen on fresh points, and seconds of the fit to a Latin hypercube."""
+    points, fresh = truss_points(size, seed)
     fit = seconds(lambda: model.fit(points, closed_form(points)))
-    truth = closed_form(fresh)
-    return np.mean((model.predict(fresh) - truth) ** 2) / np.var(truth), fit
+    return generalisation_error(model.predict(fresh), closed_form(fresh)), fit
+
+
+def generalisation_error(predicted, truth):
+    """ε_gen = E[(g − ĝ)²]/Var(g)."""
+    return float(np.mean((predicted - truth) ** 2) / np.var(truth))
 
 
 def spread_of_errors(errors):

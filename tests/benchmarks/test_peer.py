@@ -125,7 +125,7 @@ def test_another_version_of_the_peer_is_refused(
 
 
 def test_a_peer_without_an_environment_is_refused_with_the_command_that_builds_it(registry: Registry) -> None:
-    with pytest.raises(PluginError, match=r"environments\.py build no-such-peer"):
+    with pytest.raises(PluginError, match=r"environments\.py peers build no-such-peer"):
         searched(registry, "peer", {"peer": "no-such-peer"})
 
 

@@ -81,7 +81,8 @@ def peer_command(peer: str) -> list[str]:
     """The command that serves a peer. Raises PluginError if its environment has not been built."""
     python = ENVIRONMENTS / peer / "bin" / "python"
     if not python.exists():
-        raise PluginError(f"peer {peer}: there is no {python}; build it by `python {PEERS}/environments.py build {peer}`")
+        built = f"python {PEERS.parent}/environments.py peers build {peer}"
+        raise PluginError(f"peer {peer}: there is no {python}; build it by `{built}`")
     return [str(python), str(CLIENTS / "serve.py"), f"{peer}_client"]
 
 
