@@ -52,11 +52,13 @@ class InProcess:
         self._problem.warm_up()
 
     def simulate(self, design: FloatArray) -> Simulated:
-        """Simulate a design (d,); an exception is the reason why there is no outcome."""
+        """Simulate a design (d,); an exception is the reason why there is no outcome, but for an interruption."""
         start = time.perf_counter()
         try:
             outcome: Outcome | str = self._problem.simulate(design)
-        except Exception as error:  # noqa: BLE001 - whatever a model raises is a failed evaluation
+        except Exception as error:
+            if _interrupted(error):
+                raise KeyboardInterrupt from error
             outcome = f"{type(error).__name__}: {error}"
         return Simulated(outcome, time.perf_counter() - start)
 
@@ -182,6 +184,15 @@ def _by_free_member(free: "queue.SimpleQueue[Simulator]", design: FloatArray) ->
         return member.simulate(design)
     finally:
         free.put(member)
+
+
+def _interrupted(error: BaseException | None) -> bool:
+    """Whether an exception came of an interruption, which compiled code gives back as a SystemError."""
+    while error is not None:
+        if isinstance(error, KeyboardInterrupt):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
 
 
 def _start(problem: DesignProblem) -> ChildProcess:

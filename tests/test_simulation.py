@@ -89,3 +89,25 @@ def _simulate_and_tell(connection: Connection) -> None:
         ((_, simulated),) = limited.simulate([design(0)])
     assert isinstance(simulated.outcome, Outcome)
     connection.send(simulated.outcome.objectives[0])
+
+
+class Interrupted(Sphere):
+    """Ctrl-C while compiled code runs comes back as another exception, with the interruption as its cause or context."""
+
+    def __init__(self, chained: bool) -> None:
+        super().__init__()
+        self.chained = chained
+
+    def simulate(self, design: np.ndarray) -> Outcome:
+        try:
+            raise KeyboardInterrupt
+        except KeyboardInterrupt as interruption:
+            if self.chained:
+                raise SystemError("returned a result with an exception set") from interruption
+            raise SystemError("returned a result with an exception set")  # noqa: B904 - the context alone
+
+
+@pytest.mark.parametrize("chained", [True, False])
+def test_an_interruption_is_no_failed_evaluation(chained: bool) -> None:
+    with closing(simulators(Interrupted(chained))) as here, pytest.raises(KeyboardInterrupt):
+        list(here.simulate([design(0)]))

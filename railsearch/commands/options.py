@@ -88,13 +88,13 @@ def asked_problem(
         return Asked(make_problem(registry, settings, str(parameters or "parameters")), settings, site)
 
 
-def assignments(texts: Sequence[str] | None) -> dict[str, Any]:
-    """Parse NAME=VALUE texts, values written as in TOML, bare words being strings. Raises InputError."""
+def assignments(texts: Sequence[str] | None, option: str = "--set") -> dict[str, Any]:
+    """Parse NAME=VALUE texts of an option, values written as in TOML, bare words being strings. Raises InputError."""
     parsed: dict[str, Any] = {}
     for text in texts or []:
         name, equals, value = text.partition("=")
         if not equals or not name.strip():
-            raise InputError(f"--set: NAME=VALUE is needed, received {text!r}")
+            raise InputError(f"{option}: NAME=VALUE is needed, received {text!r}")
         try:
             parsed[name.strip()] = tomllib.loads(f"value = {value}")["value"]
         except tomllib.TOMLDecodeError:

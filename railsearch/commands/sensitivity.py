@@ -2,6 +2,8 @@
 
 import json
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -23,14 +25,18 @@ from railsearch.commands.sampling import sampled_into
 from railsearch.commands.sensitivity_words import print_study
 from railsearch.errors import InputError
 from railsearch.plugin_manager import Registry, load_plugins
+from railsearch.result import quantities
 from railsearch.run_directory import make_folder, write_whole
-from railsearch.samples import ExperimentDesign, MeasureDesign, read_samples
+from railsearch.samples import ExperimentDesign, MeasureDesign, input_distributions, read_samples
 from railsearch.seeding import checked_seed
+from railsearch.sensitivity.fitting import check_number
 from railsearch.sensitivity.thresholds import LIMITS, UPPER
+from railsearch.sensitivity.variance_based import check_base
 from railsearch.sensitivity_study import (
     ModelSamples,
     StudyData,
     StudySettings,
+    check_study,
     own_data,
     problem_data,
     study_document,
@@ -38,6 +44,8 @@ from railsearch.sensitivity_study import (
 )
 from railsearch.sensitivity_study import confirm as confirmed
 from railsearch.simulation import Simulators, simulators
+
+SAMPLES = "samples.parquet"
 
 
 def sensitivity(
@@ -118,38 +126,36 @@ def sensitivity(
         railsearch sensitivity --data measured.csv --distributions inputs.toml --criterion deflection
     """
     registry, folder = load_plugins(), out or Path(f"{name or (data.stem if data else 'data')}-sensitivity")
+    asked, found = None, None
     if name is None:
-        asked, found = None, _data_of_ones_own(data, distributions)
-        if on_model:
-            raise InputError("--on-model: data of your own have no model that could be evaluated; leave it out")
+        found = _data_of_ones_own(data, distributions, on_model)
+        inputs, outputs, default = found.inputs, tuple(found.outputs), found.default
     elif distributions is not None:
         raise InputError("--distributions: they belong to data of your own; those of a problem are in its site file")
     else:
         asked = asked_problem(registry, name, parameters, _all_objectives(registry, name), assigned=assigned)
-        if data is None:
-            data, wanted = folder / "samples.parquet", (design, number, seed)
-            experiment, _ = sampled_into(data, registry, asked, wanted, simulators(asked.problem, timeout, workers))
-            seed = experiment.seed
-        found = problem_data(asked.problem, data)
-    chosen = tuple(part.strip() for part in criteria.split(",") if part.strip()) or found.default
-    settings = StudySettings(
-        chosen,
-        _thresholds(thresholds, chosen),
-        points,
-        surrogate,
-        assignments(surrogate_set),
-        level,
-        limit,
-        refits,
-        checked_seed(seed),
-    )
+        inputs, outputs = input_distributions(asked.problem), tuple(quantity.name for quantity in quantities(asked.problem))
+        default = tuple(objective.name for objective in asked.problem.objectives)
+    chosen = tuple(dict.fromkeys(part.strip() for part in criteria.split(",") if part.strip())) or default
+    set_values = assignments(surrogate_set, "--surrogate-set")
+    limits = _thresholds(thresholds, chosen)
+    settings = StudySettings(chosen, limits, points, surrogate, set_values, level, limit, refits)
+    check_study(registry, settings, inputs, outputs)
     model = None
-    if asked is not None and on_model:
-        model = _model_samples(registry, asked, folder, on_model, seed, lambda: simulators(asked.problem, timeout, workers))
+    if asked is not None:
+        problem = asked.problem
+        simulating = partial(simulators, problem, timeout, workers)
+        if on_model:
+            check_base(on_model)
+        found, seed = _sampled(registry, asked, data or folder / SAMPLES, data is None, (design, number, seed), simulating)
+        if on_model:
+            model = _model_samples(registry, asked, folder, on_model, seed, simulating)
+    settings = replace(settings, seed=checked_seed(seed))
+    assert found is not None, "data of one's own, or samples of a problem"
     studies = study_samples(registry, found, settings, messages.print, model)
     if asked is not None and confirm:
         messages.print("confirming the extremes by the problem itself")
-        studies = confirmed(studies, asked.problem, simulators(asked.problem, timeout, workers))
+        studies = confirmed(studies, problem, simulating())
     document = study_document(found, settings, studies, command_line())
     make_folder(folder)
     write_whole(folder / "sensitivity.json", json.dumps(document, ensure_ascii=False, allow_nan=False).encode())
@@ -162,13 +168,32 @@ def sensitivity(
     results().print(f"seed {settings.seed}; everything is in {folder}")
 
 
-def _data_of_ones_own(data: Path | None, distributions: Path | None) -> StudyData:
+def _data_of_ones_own(data: Path | None, distributions: Path | None, on_model: int) -> StudyData:
     if data is None or distributions is None:
         raise InputError("a problem is needed, or --data with --distributions; `railsearch list problem` has the problems")
+    if on_model:
+        raise InputError("--on-model: data of your own have no model that could be evaluated; leave it out")
     found = own_data(data, distributions)
     outputs = ", ".join(found.outputs) or "none"
     messages.print(f"inputs: {', '.join(found.inputs.names)}; outputs, because they have no distribution: {outputs}")
     return found
+
+
+def _sampled(
+    registry: Registry,
+    asked: Asked,
+    file: Path,
+    evaluated: bool,
+    wanted: tuple[ExperimentDesign, int, int | None],
+    simulating: Callable[[], Simulators],
+) -> tuple[StudyData, int | None]:
+    """The samples of a problem in a file, and their seed; if to be `evaluated`, as far as that has not been done."""
+    _, number, seed = wanted
+    if evaluated:
+        check_number(number, asked.problem.space.dimension)
+        experiment, _ = sampled_into(file, registry, asked, wanted, simulating())
+        seed = experiment.seed
+    return problem_data(asked.problem, file), seed
 
 
 def _model_samples(

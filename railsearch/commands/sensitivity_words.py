@@ -1,10 +1,13 @@
 """What a sensitivity analysis says in the terminal."""
 
+from collections.abc import Sequence
+
 from rich.table import Table
 
 from railsearch.commands.options import results
 from railsearch.sensitivity.extremes import SENSES
 from railsearch.sensitivity_study import CriterionStudy
+from railsearch.space import FloatArray
 from railsearch.wording import quantity_label, readable
 
 SHOWN = 6
@@ -45,13 +48,24 @@ def _print_extremes(study: CriterionStudy) -> None:
 
 def _importances(study: CriterionStudy) -> Table:
     importances, names = study.extremes.importances(), study.extremes.factors.names
-    table = Table("input", "worst case", "Sobol' total", "one at a time", "mean |effect|", box=None, pad_edge=False)
-    spread = None if study.spread is None else study.spread.interval()
+    columns = {"worst case": {name: f"{share:.1%}" for name, share in importances.items()}}
+    if study.spread is not None:
+        bounds = study.spread.interval().T
+        columns["95 % of refits"] = {
+            name: f"{low:.1%} to {high:.1%}" for name, (low, high) in zip(names, bounds, strict=True)
+        }
+    columns["Sobol' total"] = _shares(names, study.sobol.total)
+    columns["one at a time"] = _shares(names, study.one_at_a_time.importances)
+    columns["mean |effect|"] = dict(zip(names, map(readable, study.morris.mean_absolute.tolist()), strict=True))
+    if study.on_model is not None:
+        columns["Sobol' total, model"] = _shares(names, study.on_model.sobol.total)
+        effects = study.on_model.morris.mean_absolute.tolist()
+        columns["mean |effect|, model"] = dict(zip(names, map(readable, effects), strict=True))
+    table = Table("input", *columns, box=None, pad_edge=False)
     for name in sorted(importances, key=lambda name: -importances[name])[:SHOWN]:
-        place = names.index(name)
-        worst = f"{importances[name]:.1%}"
-        if spread is not None:
-            worst += f" ({spread[0, place]:.1%} to {spread[1, place]:.1%})"
-        shares = (study.sobol.total[place], study.one_at_a_time.importances[place])
-        table.add_row(name, worst, *(f"{share:.1%}" for share in shares), readable(float(study.morris.mean_absolute[place])))
+        table.add_row(name, *(cells[name] for cells in columns.values()))
     return table
+
+
+def _shares(names: Sequence[str], values: FloatArray) -> dict[str, str]:
+    return {name: f"{share:.1%}" for name, share in zip(names, values, strict=True)}

@@ -143,19 +143,23 @@ def threshold_figure(criterion: Document) -> Figure:
 def surrogate_figure(criterion: Document) -> Figure:
     """Predictions of samples that were held out over their true values."""
     true, predicted = (_numbers(criterion["held_out"][key]) for key in ("true", "predicted"))
-    figure = Figure(figsize=(4.2, 4.0), layout="constrained")
-    axes = figure.subplots()
+    figure = Figure(figsize=(8.0, 3.6), layout="constrained")
+    axes, errors = figure.subplots(1, 2)
     ends = [min(true.min(), predicted.min()), max(true.max(), predicted.max())]
     axes.plot(ends, ends, color=SINGLE, lw=1.0)
-    axes.plot(true, predicted, ".", color=WORST, ms=5, alpha=0.7)
-    axes.set_xlabel(f"simulated {_label(criterion)}", fontsize=9)
-    axes.set_ylabel("predicted", fontsize=9)
-    _plain(axes)
+    axes.plot(true, predicted, ".", color=WORST, ms=4, alpha=0.7)
+    axes.set_ylabel(f"predicted {_label(criterion)}", fontsize=9)
+    errors.axhline(0.0, color=SINGLE, lw=1.0)
+    errors.plot(true, predicted - true, ".", color=WORST, ms=4, alpha=0.7)
+    errors.set_ylabel("predicted less simulated", fontsize=9)
+    for panel in (axes, errors):
+        panel.set_xlabel(f"simulated {_label(criterion)}", fontsize=9)
+        _plain(panel)
     error = criterion["surrogate"]["generalisation"]
     _title(figure, f"The surrogate of {criterion['name']}: error {error:.1e} of the variance")
     figure.set_label(
         f"{len(true)} samples that were held out, predicted by a surrogate of the others. Everything is found on the "
-        "surrogate of all samples: where the points lie far from the line, it says little about the model."
+        "surrogate of all samples: where the points lie far from the lines, it says little about the model."
     )
     return figure
 

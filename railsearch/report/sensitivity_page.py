@@ -91,8 +91,8 @@ def _confirmed(confirmed: Document) -> str:
 
 def _check(check: Document | None) -> str:
     if check is None or check["held"]:
-        return "no sampled point is more extreme"
-    return "a sampled point was more extreme at the end: raise the work"
+        return "no random point of the surrogate is more extreme"
+    return "a random point was more extreme at the end: raise the work"
 
 
 def _importances(criterion: Document) -> str:

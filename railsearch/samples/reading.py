@@ -19,6 +19,9 @@ from railsearch.space import FloatArray
 if TYPE_CHECKING:
     import pyarrow as pa
 
+INDEX = re.compile(r"__index_level_\d+__")
+"""What pandas calls an index without a name in a Parquet file; in a CSV file it has no name at all."""
+
 UNIT = re.compile(r"(.*\S)\s*\[([^\[\]]*)\]")
 
 
@@ -65,7 +68,8 @@ def read_samples(path: Path, inputs: Sequence[str] = ()) -> Samples:
     """Read samples from Parquet or CSV (comma, semicolon or tab; lines beginning with # on top are left out).
 
     A file of `railsearch sample` says itself what is what. Of any other, `inputs` names the inputs; all other columns of
-    numbers are outputs, `NAME [UNIT]` in the header giving the unit, and empty cells are values that are not there.
+    numbers are outputs, `NAME [UNIT]` in the header giving the unit, and empty cells are values that are not there; columns
+    without a name, such as an index, are left out.
     Raises InputError for a file that is no such table, has no rows, or lacks one of the inputs.
     """
     found = read_table(path)
@@ -93,13 +97,14 @@ def _own(path: Path, found: FileTable, inputs: Sequence[str]) -> Samples:
 
 
 def _users(path: Path, table: pa.Table, inputs: Sequence[str]) -> Samples:
-    matches = {label: UNIT.fullmatch(label) for label in table.column_names}
+    labels = [label for label in table.column_names if label.strip() and not INDEX.fullmatch(label)]
+    matches = {label: UNIT.fullmatch(label) for label in labels}
     names = {label: match[1] if match else label for label, match in matches.items()}
     if len(set(names.values())) < len(names):
         raise InputError(f"{path}: columns have the same name and differ in their unit only; give each a name of its own")
     units = {names[label]: match[2] if match else "" for label, match in matches.items()}
     numeric = {label for label in names if _is_numeric(table.column(label))}
-    values = {names[label]: column_numbers(table.column(label)) for label in table.column_names if label in numeric}
+    values = {names[label]: column_numbers(table.column(label)) for label in labels if label in numeric}
     samples = Samples(
         path,
         {name: values[name] for name in inputs if name in values},

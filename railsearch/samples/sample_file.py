@@ -138,8 +138,7 @@ def check_same_samples(path: Path, begun: Mapping[str, Any], document: Mapping[s
         )
     if here < there:
         raise StorageError(
-            f"{path} holds a sample of {there}, more than {here}. Nothing was changed: use another --out, or "
-            f"--number {there}"
+            f"{path} holds a sample of {there}, more than {here}. Nothing was changed: use another --out, or ask for {there}"
         )
     if here > there and old["design"] == ExperimentDesign.LHS:
         raise StorageError(

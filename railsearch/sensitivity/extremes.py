@@ -11,7 +11,7 @@ Source: Shang, Nogal, Teixeira & Wolfert 2024, Reliability Engineering & System 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -30,6 +30,9 @@ from .models import BoxModel, ExactModel
 MAXIMUM, MINIMUM = SENSES = ("maximum", "minimum")
 SIGNS: Mapping[str, float] = {MAXIMUM: -1.0, MINIMUM: 1.0}
 """What the output is multiplied by to be minimised."""
+
+FEWEST_DESCENTS = 1600
+"""Descents from sampled points, over all inner problems of an extreme."""
 
 FLAT = 1e-7
 """A curve with a standard deviation below this fraction of the output's range is as flat as extremes are exact."""
@@ -161,13 +164,14 @@ def extreme_surfaces(
     """Find Ȳ_i(x_ij) = max and min of g(x) with X_i = x_ij, for all factors and grid values at once.
 
     model: a surrogate (`predict` and `gradient` at points (k, d) in the factors' own units), or an `ExactModel`; generator:
-    draws the samples of starts and of the global check; settings: how much work it may be; output: name and unit of g;
-    senses: which extremes; thresholds need both. Raises InputError for integer factors and for no or other extremes,
+    draws the samples of starts and of the global check; settings: how much work it may be, by default 1600 descents or more
+    for each extreme; output: name and unit of g; senses: which extremes; thresholds need both. Raises InputError for integer
+    factors and for no or other extremes,
     SurrogateError where a surrogate is not finite, SimulationError if all evaluations of the first sample failed.
     Source: Shang et al. 2024; spectral projected gradients: Birgin, Martínez & Raydan 2000.
     """
     check_senses(senses)
-    chosen, asker = settings or SearchSettings(), Asker(model, factors)
+    chosen, asker = settings or _settings_for(factors), Asker(model, factors)
     problems = InnerProblems(factors)
     goals = [Extreme(SIGNS[sense]) for sense in senses]
     searches, check = solved(asker.box, problems, goals, chosen, generator)
@@ -175,6 +179,12 @@ def extreme_surfaces(
         sense: _curves(factors, problems, SIGNS[sense], search) for sense, search in zip(senses, searches, strict=True)
     }
     return ExtremeSurfaces(factors, output, curves, asker.effort(check if chosen.check else None))
+
+
+def _settings_for(factors: Factors) -> SearchSettings:
+    """The defaults, with more starts where few inner problems have few solutions to hand on to one another."""
+    starts, usual = -(-FEWEST_DESCENTS // factors.number_of_values), SearchSettings()
+    return replace(usual, starts=max(usual.starts, starts), sample=max(usual.sample, starts))
 
 
 class Asker:

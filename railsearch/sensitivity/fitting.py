@@ -106,13 +106,7 @@ def tried_surrogate(
     Raises InputError for fewer than ten or d + 2 samples, an output that does not vary, and a share that is not inside
     (0, 1); SurrogateError as the surrogate does.
     """
-    dimension = points.shape[1]
-    fewest = max(FEWEST_SAMPLES, dimension + 2)
-    if len(values) < fewest:
-        raise InputError(
-            f"samples: {fewest} or more are needed with {dimension} inputs, for a constant, a slope for each and an error, "
-            f"received {len(values)}; evaluate more of them"
-        )
+    check_number(len(values), points.shape[1])
     if not np.ptp(values) > 0.0:
         raise InputError(f"the output is {values[0]:g} in all {len(values)} samples: there is nothing to explain")
     if not 0.0 < share < 1.0:
@@ -124,6 +118,16 @@ def tried_surrogate(
     error = float(np.mean((values[held] - predicted) ** 2) / np.var(values))
     quality = SurrogateQuality(len(kept), len(held), error, _leave_one_out(model), _terms(model), *seconds)
     return FittedSurrogate(model, quality, values[held], predicted)
+
+
+def check_number(number: int, dimension: int) -> None:
+    """Raise InputError for fewer than ten samples, or fewer than d + 2."""
+    fewest = max(FEWEST_SAMPLES, dimension + 2)
+    if number < fewest:
+        raise InputError(
+            f"samples: {fewest} or more are needed with {dimension} inputs, for a constant, a slope for each and an error, "
+            f"received {number}; evaluate more of them"
+        )
 
 
 def _timed(fit: Fit, points: FloatArray, values: FloatArray) -> tuple[SmoothFunction, tuple[float, float]]:

@@ -111,6 +111,12 @@ class ThresholdSurfaces:
         return f"{threshold.value:.5g} {output.unit}".rstrip() + f" is {threshold.status}: {words}"
 
 
+def check_limit(limit: str) -> None:
+    """Raise InputError for anything but `upper` and `lower`."""
+    if limit not in LIMITS:
+        raise InputError(f"limit: {' or '.join(LIMITS)} is needed, received {limit!r}")
+
+
 def threshold_surfaces(
     extremes: ExtremeSurfaces, thresholds: ArrayLike, limit: str = UPPER, method: str = CLIPPING
 ) -> ThresholdSurfaces:
@@ -120,8 +126,7 @@ def threshold_surfaces(
     is a result: see `Threshold.status`. Raises InputError for no thresholds or some that are not finite, another limit, and
     extremes of one sense only. Source: Shang et al. 2024.
     """
-    if limit not in LIMITS:
-        raise InputError(f"limit: {' or '.join(LIMITS)} is needed, received {limit!r}")
+    check_limit(limit)
     values = checked_thresholds(thresholds)
     return ThresholdSurfaces(extremes, limit, method, tuple(_threshold(extremes, value, limit) for value in values))
 
@@ -154,8 +159,7 @@ def direct_threshold_surfaces(
 
 def margin(values: ArrayLike, threshold: float, limit: str = UPPER) -> FloatArray:
     """G (…) of outputs (…): their distance beyond a threshold; failing above 0, reliable below. Unit of the output."""
-    if limit not in LIMITS:
-        raise InputError(f"limit: {' or '.join(LIMITS)} is needed, received {limit!r}")
+    check_limit(limit)
     beyond = np.asarray(values, dtype=float) - threshold
     return beyond if limit == UPPER else -beyond
 

@@ -87,10 +87,15 @@ def saltelli_points(inputs: RandomVector, base: int, generator: np.random.Genera
     """The points (n (d + 2), d) at which a function must be known; n is `base`. Raises InputError unless a power of two."""
     from SALib.sample import sobol as design
 
-    if base < 2 or base & (base - 1):
-        raise InputError(f"base sample: a power of two from 2 is needed for Sobol' points, received {base}")
+    check_base(base)
     unit = design.sample(unit_problem(inputs.names), base, calc_second_order=False, seed=generator)
     return inputs.from_uniform(np.clip(unit, FACE, 1.0 - FACE))
+
+
+def check_base(base: int) -> None:
+    """Raise InputError unless n is a power of two."""
+    if base < 2 or base & (base - 1):
+        raise InputError(f"base sample: a power of two from 2 is needed for Sobol' points, received {base}")
 
 
 def indices_of_blocks(names: tuple[str, ...], values: FloatArray, generator: np.random.Generator) -> SobolIndices:

@@ -62,13 +62,14 @@ def confirmed_extremes(
 ) -> dict[str, dict[str, ConfirmedExtreme]]:
     """Simulate where each surrogate has its largest and smallest value; by name of the output and sense.
 
-    An evaluation that fails is a reason in place of a value.
+    Whole numbers are the nearest ones. An evaluation that fails is a reason in place of a value.
     """
     wanted = [(quantity, sense, *_extreme(surfaces, sense)) for quantity, surfaces in found.items() for sense in SENSES]
     confirmed: dict[str, dict[str, ConfirmedExtreme]] = {quantity.name: {} for quantity in found}
+    points = [problem.space.rounded(point) for *_, point in wanted]
     with closing(simulating):
-        for place, simulated in simulating.simulate([point for *_, point in wanted]):
-            quantity, sense, value, point = wanted[place]
+        for place, simulated in simulating.simulate(points):
+            (quantity, sense, value, _), point = wanted[place], points[place]
             outcome = simulated.outcome
             known = natural_value(problem, quantity, point, outcome) if isinstance(outcome, Outcome) else outcome
             confirmed[quantity.name][sense] = ConfirmedExtreme(value, point, known)

@@ -1,26 +1,27 @@
 """A whole sensitivity analysis of samples: surrogates, extremes, thresholds, and the classical measures beside them."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from railsearch.design_problem import DesignProblem
 from railsearch.distributions import RandomVector
+from railsearch.errors import InputError
 from railsearch.plugin_manager import Registry
 from railsearch.projected_gradient import SmoothFunction
 from railsearch.result import versions
 from railsearch.seeding import checked_seed
 from railsearch.sensitivity.bootstrap import ImportanceSpread, bootstrap_importances
 from railsearch.sensitivity.extremes import MAXIMUM, MINIMUM, ExtremeSurfaces, extreme_surfaces
-from railsearch.sensitivity.factors import Factors, factors_on, input_space
+from railsearch.sensitivity.factors import FEWEST_POINTS, Factors, factors_on, input_space
 from railsearch.sensitivity.fitting import Fit, FittedSurrogate, fitted_surrogate, surrogate_fit
-from railsearch.sensitivity.inner_search import SearchSettings
 from railsearch.sensitivity.screening import ElementaryEffects, OneAtATime, elementary_effects, one_at_a_time
-from railsearch.sensitivity.thresholds import UPPER, ThresholdSurfaces, threshold_surfaces
+from railsearch.sensitivity.thresholds import UPPER, ThresholdSurfaces, check_limit, threshold_surfaces
 from railsearch.sensitivity.variance_based import SobolIndices, closed_form_indices, sobol_indices
-from railsearch.sensitivity_study.data import SampledOutput, StudyData
+from railsearch.sensitivity_study.data import SampledOutput, StudyData, check_outputs
 from railsearch.sensitivity_study.on_model import (
     ConfirmedExtreme,
     ModelMeasures,
@@ -53,6 +54,7 @@ class StudySettings:
     criteria: outputs, by default those of the data; thresholds: by output, beside the quantiles; points: grid values of a
     factor; surrogate: its name and settings; level: percentile that bounds an input without bounds; limit: `upper` if going
     above a threshold is failing; refits: to parts of the samples, for the spread of importances; seed: of everything random.
+    Raises InputError for another limit, a level that is not between 0 and a half, and thresholds that are not finite.
     """
 
     criteria: tuple[str, ...] = ()
@@ -65,13 +67,21 @@ class StudySettings:
     refits: int = 0
     seed: int = 0
 
+    def __post_init__(self) -> None:
+        check_limit(self.limit)
+        if not 0.0 < self.level < 0.5:
+            raise InputError(f"level: a fraction between 0 and 0.5 is needed, received {self.level:g}")
+        for name, values in self.thresholds.items():
+            if not np.isfinite(values).all():
+                raise InputError(f"thresholds of {name}: finite numbers are needed, received {', '.join(map(str, values))}")
+
 
 @dataclass(frozen=True)
 class CriterionStudy:
     """All that was found about one output.
 
     spread: of the importances over refits; on_model: classical measures on the model itself; confirmed: its values where
-    the surrogate has its extremes, by sense; each only if it was asked for.
+    the surrogate has its extremes, by sense; each only if it was asked for. whole: inputs that take whole numbers.
     """
 
     output: SampledOutput
@@ -84,6 +94,13 @@ class CriterionStudy:
     spread: ImportanceSpread | None = None
     on_model: ModelMeasures | None = None
     confirmed: Mapping[str, ConfirmedExtreme] = field(default_factory=dict)
+    whole: tuple[str, ...] = ()
+
+    @property
+    def outside(self) -> NDArray[np.bool_]:
+        """Which samples (n,) lie outside the ranges that are searched."""
+        space, points = self.extremes.factors.space, self.output.points
+        return np.asarray(((points < space.lower) | (points > space.upper)).any(axis=1))
 
     @property
     def warnings(self) -> list[str]:
@@ -100,6 +117,16 @@ class CriterionStudy:
             warnings.append(
                 "the surrogate's extremes lie beyond the samples by more than half of what these span: it extrapolates, and "
                 "nothing confirms it"
+            )
+        beyond = values[self.outside]
+        if beyond.size and (beyond.max() > high or beyond.min() < low):
+            warnings.append(
+                f"{beyond.size} samples lie outside the ranges that are searched, and reach from {beyond.min():.4g} to "
+                f"{beyond.max():.4g} {unit}".rstrip()
+            )
+        if self.whole:
+            warnings.append(
+                f"{', '.join(self.whole)}: whole numbers, searched as real ones, so that extremes may lie between them"
             )
         for sense, extreme in self.confirmed.items():
             if isinstance(extreme.simulated, str):
@@ -123,6 +150,7 @@ class CriterionStudy:
                 "used": len(values),
                 "failed": self.output.failed,
                 "repeated": self.output.repeated,
+                "outside": int(self.outside.sum()),
                 "minimum": float(values.min()),
                 "maximum": float(values.max()),
             },
@@ -141,6 +169,17 @@ class CriterionStudy:
         }
 
 
+def check_study(registry: Registry, settings: StudySettings, inputs: RandomVector, outputs: Collection[str]) -> None:
+    """Raise what `study_samples` would raise of the settings, before anything is evaluated.
+
+    InputError for an unknown output and fewer than two grid values, and what `surrogate_fit` raises.
+    """
+    check_outputs(settings.criteria, outputs)
+    if settings.points < FEWEST_POINTS:
+        raise InputError(f"points: {FEWEST_POINTS} or more are needed, received {settings.points}")
+    surrogate_fit(registry, settings.surrogate, settings.surrogate_settings, inputs)
+
+
 def study_samples(
     registry: Registry,
     data: StudyData,
@@ -153,14 +192,14 @@ def study_samples(
     model: samples for classical measures on the model itself. Raises InputError for samples that cannot occur, and as the
     surrogate, `factors_on` and `threshold_surfaces` do.
     """
-    inputs, outputs = data.inputs, [data.output(name) for name in settings.criteria or data.default]
+    inputs, outputs = data.inputs, [data.output(name) for name in dict.fromkeys(settings.criteria or data.default)]
     fit = surrogate_fit(registry, settings.surrogate, settings.surrogate_settings, inputs)
     factors = factors_on(input_space(inputs, settings.level, data.ranges, data.units), settings.points)
     studies = []
     for number, output in enumerate(outputs):
         seeds = np.random.SeedSequence([checked_seed(settings.seed), number]).spawn(len(STREAMS))
         generators = {name: np.random.default_rng(seed) for name, seed in zip(STREAMS, seeds, strict=True)}
-        study = _studied(output, fit, inputs, factors, settings, generators, watch)
+        study = _studied(output, fit, inputs, factors, settings, generators, watch, data.whole)
         name = output.quantity.name
         if settings.refits:
             study = replace(study, spread=_spread(output, fit, factors, settings, generators["refits"], watch))
@@ -185,13 +224,14 @@ def _studied(
     settings: StudySettings,
     generators: Mapping[str, np.random.Generator],
     watch: Callable[[str], None],
+    whole: tuple[str, ...],
 ) -> CriterionStudy:
     name = output.quantity.name
     watch(f"{name}: surrogate {settings.surrogate} of {len(output.values)} samples")
     surrogate = fitted_surrogate(fit, inputs.checked(output.points), output.values, generators["surrogate"])
     model = surrogate.model
     watch(f"{name}: extremes at {factors.number_of_values} grid values")
-    extremes = extreme_surfaces(model, factors, generators["extremes"], SearchSettings(), output.quantity)
+    extremes = extreme_surfaces(model, factors, generators["extremes"], output=output.quantity)
     asked = sorted({*settings.thresholds.get(name, ()), *map(float, np.percentile(output.values, QUANTILES))})
     watch(f"{name}: classical measures")
     return CriterionStudy(
@@ -202,6 +242,7 @@ def _studied(
         _sobol(model, inputs, generators["sobol"]),
         elementary_effects(model.predict, factors.space, TRAJECTORIES, generators["morris"]),
         one_at_a_time(model.predict, factors),
+        whole=whole,
     )
 
 

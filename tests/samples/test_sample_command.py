@@ -220,7 +220,7 @@ def test_what_is_complete_is_not_evaluated_again(sample: Cli, tmp_path: Path) ->
         (("uncertain", "--n", 60, "--seed", 2, "--design", "lhs"), ("seed: there 1, here 2",)),
         (("uncertain", "--n", 60, "--seed", 1, "--design", "sobol"), ("design: there", "lhs", "sobol")),
         (("uncertain", "--n", 61, "--seed", 1, "--design", "lhs"), ("Latin hypercube of 60", "of 61", "random or sobol")),
-        (("uncertain", "--n", 59, "--seed", 1, "--design", "lhs"), ("a sample of 60, more than 59", "--number 60")),
+        (("uncertain", "--n", 59, "--seed", 1, "--design", "lhs"), ("a sample of 60, more than 59", "ask for 60")),
         (("ball", "--n", 60, "--seed", 1, "--design", "lhs"), ("problem: there", "uncertain", "ball")),
     ],
 )

@@ -100,6 +100,20 @@ def test_extrapolation_that_nothing_confirms_is_a_warning():
     assert study.warnings == []
 
 
+def test_samples_outside_the_ranges_that_exceed_the_extremes_are_said():
+    """Searched is a ∈ [−1, 1] only; samples with a up to 3 have larger values than any in there."""
+    points = INPUTS.from_uniform(np.random.default_rng(1).random((60, 2)))
+    columns = dict(zip(SPACE.names, points.T, strict=True))
+    samples = Samples("memory", columns, {"y": values_at(points)}, {}, {"y": "kN"}, ("",) * 60)
+    data = StudyData("product", INPUTS, {}, {"a": (-1.0, 1.0)}, samples, {"y": MAXIMISED}, ("y",), whole=("b",))
+    (study,) = study_samples(load_plugins(), data, StudySettings(points=5), lambda words: None)
+    outside = int((points[:, 0] > 1.0).sum())
+    assert study.document()["samples"]["outside"] == outside > 0
+    first, second = study.warnings
+    assert f"{outside} samples lie outside the ranges that are searched" in first
+    assert second.startswith("b: whole numbers, searched as real ones")
+
+
 def test_measures_from_samples_are_those_of_the_function():
     """The same points and generators: a problem sampled beforehand gives what the function itself gives."""
     problem = Product()

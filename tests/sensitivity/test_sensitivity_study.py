@@ -172,7 +172,7 @@ def own(tmp_path):
     """A table and a file of distributions of one's own."""
     points, values = samples(120)
     rows = [",".join(map(repr, map(float, [*row, value]))) for row, value in zip(points, values, strict=True)]
-    (tmp_path / "own.csv").write_text("\n".join(["a,b,c,y [m]", *rows]), encoding="utf-8")
+    (tmp_path / "own.csv").write_text("\n".join(["a [mm],b,c,y [m]", *rows]), encoding="utf-8")
     (tmp_path / "inputs.toml").write_text(INPUTS_FILE, encoding="utf-8")
     return tmp_path
 
@@ -203,6 +203,18 @@ def test_command_on_data_of_ones_own(railsearch, own):
         (("--data", "own.csv", "--distributions", "other.toml"), "column 'd' is missing"),
         (("--data", "own.csv", "--distributions", "correlated.toml"), "correlated inputs are refused"),
         (("--data", "own.csv", "--distributions", "empty.toml"), "tables [distributions.INPUT]"),
+        (("--data", "own.csv", "--distributions", "metres.toml"), "a: the unit is 'm' in metres.toml and 'mm' in own.csv"),
+        (("--data", "own.csv", "--distributions", "large.toml"), "c: samples from -"),
+        (("--data", "constant.csv", "--distributions", "inputs.toml"), "b: it is 0.5 in all 120 samples"),
+        (("truss", "--criterion", "z"), "criterion: unknown 'z'; there are w"),
+        (("truss", "--surrogate", "zz"), "unknown surrogate 'zz'"),
+        (("truss", "--surrogate-set", "degree=abc"), "degree"),
+        (("truss", "--surrogate-set", "degree"), "--surrogate-set: NAME=VALUE is needed"),
+        (("truss", "--level", "0.6"), "level: a fraction between 0 and 0.5"),
+        (("truss", "--thresholds", "nan"), "thresholds of w: finite numbers are needed"),
+        (("truss", "--limit", "middle"), "limit: upper or lower is needed"),
+        (("truss", "--on-model", "10"), "a power of two"),
+        (("truss", "--samples", "11"), "12 or more are needed with 10 inputs"),
     ],
 )
 def test_faults_are_named(railsearch, own, monkeypatch, words, message):
@@ -210,6 +222,28 @@ def test_faults_are_named(railsearch, own, monkeypatch, words, message):
     (own / "other.toml").write_text(INPUTS_FILE.replace("distributions.c", "distributions.d"), encoding="utf-8")
     (own / "correlated.toml").write_text("correlation = [[1.0, 0.5], [0.5, 1.0]]\n" + INPUTS_FILE, encoding="utf-8")
     (own / "empty.toml").write_text("[ranges]\n", encoding="utf-8")
+    (own / "metres.toml").write_text(INPUTS_FILE.replace('"mm"', '"m"'), encoding="utf-8")
+    (own / "large.toml").write_text(INPUTS_FILE.replace("mean = 0.0", "mean = 3000.0"), encoding="utf-8")
+    lines = (own / "own.csv").read_text(encoding="utf-8").splitlines()
+    rows = [line.split(",") for line in lines[1:]]
+    constant = [lines[0], *(",".join([a, "0.5", c, y]) for a, _, c, y in rows)]
+    (own / "constant.csv").write_text("\n".join(constant), encoding="utf-8")
     answer = railsearch("sensitivity", *words)
     assert answer.code == 2
     assert message in answer.err
+    assert not list(own.glob("**/*.parquet*")), "refused before anything was evaluated"
+
+
+def test_rows_without_an_input_are_left_out_and_an_index_is_no_output(railsearch, own):
+    """Rows that lack an input count as failed; columns without a name, or with the name that pandas gives an index, go."""
+    lines = (own / "own.csv").read_text(encoding="utf-8").splitlines()
+    rows = [line.split(",") for line in lines[1:]]
+    rows[4][1], rows[7][0] = "", ""
+    text = ["," + lines[0] + ",__index_level_0__", *(f"{k}," + ",".join(row) + f",{k}" for k, row in enumerate(rows))]
+    (own / "index.csv").write_text("\n".join(text), encoding="utf-8")
+    words = ("--data", own / "index.csv", "--distributions", own / "inputs.toml", "--seed", 1, "--points", 5)
+    answer = railsearch("sensitivity", *words, "--out", own / "study", "--criterion", "y,y", "--json")
+    assert answer.code == 0, answer.err
+    (criterion,) = json.loads(answer.out)["criteria"]
+    assert "no distribution: y\n" in answer.err
+    assert (criterion["samples"]["used"], criterion["samples"]["failed"]) == (118, 2)
