@@ -291,8 +291,8 @@ def test_length_scales_never_raise_the_error_that_is_weighted_towards_the_best_p
 @pytest.mark.parametrize(
     ("settings", "prior", "share"),
     [
-        ({}, 0.5, 0.6),
-        ({"surrogate_settings": {"length_scale_prior": 2.0}}, 2.0, 0.6),
+        ({}, 0.5, 0.2),
+        ({"surrogate_settings": {"length_scale_prior": 2.0}}, 2.0, 0.2),
         ({"surrogate_settings": {"additive_share": 0.0}}, 0.5, 0.0),
     ],
 )

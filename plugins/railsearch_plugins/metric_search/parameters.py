@@ -11,7 +11,7 @@ REGULARISED: Mapping[str, Mapping[str, object]] = {
 }
 """Settings of a surrogate in a search by improvement: few points must not tell variables apart by chance."""
 
-ADDITIVE: Mapping[str, Mapping[str, object]] = {"kriging": {**REGULARISED["kriging"], "additive_share": 0.6}}
+ADDITIVE: Mapping[str, Mapping[str, object]] = {"kriging": {**REGULARISED["kriging"], "additive_share": 0.2}}
 """The same, and what each variable does by itself is a part of its own, which few points suffice to learn."""
 
 
