@@ -4,7 +4,8 @@ import copy
 
 import numpy as np
 import pytest
-from scipy.special import expit
+from scipy.optimize import minimize_scalar
+from scipy.special import expit, logit
 
 from railsearch.distributions import random_vector
 from railsearch.errors import InputError
@@ -181,11 +182,28 @@ def test_shares_and_length_scales_that_make_no_sense_are_refused(settings):
         made(2, **settings)
 
 
-def test_the_share_before_the_data_matters_where_they_say_nothing():
-    points = np.random.default_rng(11).random((6, 3))
-    values = points[:, 0]
-    shares = [
-        fitted(points, values, additive_share=share, length_scale_prior=0.5).process.hyperparameters.share
-        for share in (0.1, 0.9)
-    ]
-    assert shares[0] < shares[1]
+@pytest.mark.parametrize("before", [0.05, 0.5, 0.9])
+def test_the_share_is_the_most_probable_one(before):
+    points = np.random.default_rng(11).random((12, 3))
+    values, scales = points[:, 0] ** 2 + np.sin(5.0 * points[:, 1]), np.array([0.7, 0.8, 0.9])
+    functions = additive_basis(SCALE).values(points)
+    ellipsoidal = matern_5_2(np.sum(((points[:, None] - points) / scales) ** 2, axis=2))[0]
+
+    def minus_twice_the_log_probability(eta):
+        correlation = (1.0 - expit(eta)) * ellipsoidal + expit(eta) * functions @ functions.T
+        inverse = np.linalg.inv(correlation)
+        rest = values - inverse.sum(axis=0) @ values / inverse.sum()
+        likelihood = 12 * np.log(rest @ inverse @ rest) + np.linalg.slogdet(correlation)[1]
+        return likelihood + ((eta - logit(before)) / 1.5) ** 2
+
+    most_probable = minimize_scalar(minus_twice_the_log_probability, bounds=(-6.0, 3.5), method="bounded").x
+    found = fitted(points, values, additive_share=before, length_scales=tuple(scales)).process.hyperparameters.share
+    assert logit(found) == pytest.approx(most_probable, abs=0.003)
+
+
+@pytest.mark.parametrize("share", [0.1, 0.9])
+def test_where_the_data_say_nothing_the_share_stays(share):
+    points = np.linspace(0.0, 1.0, 3)[:, None] * np.ones((1, 2))
+    values = np.array([0.0, 1.0, 0.0])
+    found = fitted(points, values, additive_share=share, length_scale_prior=0.01).process.hyperparameters.share
+    assert found == pytest.approx(share, abs=0.1)
