@@ -288,23 +288,16 @@ def test_length_scales_never_raise_the_error_that_is_weighted_towards_the_best_p
     assert errors[1] <= errors[0]
 
 
-@pytest.mark.parametrize(
-    ("settings", "prior", "share"),
-    [
-        ({}, 0.5, 0.2),
-        ({"surrogate_settings": {"length_scale_prior": 2.0}}, 2.0, 0.2),
-        ({"surrogate_settings": {"additive_share": 0.0}}, 0.5, 0.0),
-    ],
-)
-def test_kriging_is_regularised_and_additive_unless_it_is_told_otherwise(settings, prior, share):
+@pytest.mark.parametrize(("settings", "prior"), [({}, 0.5), ({"surrogate_settings": {"length_scale_prior": 2.0}}, 2.0)])
+def test_kriging_is_regularised_unless_it_is_told_otherwise(settings, prior):
     seen = []
 
     def make(name, dimension, given):
-        seen.append((name, given["length_scale_prior"], given["additive_share"]))
+        seen.append((name, given["length_scale_prior"]))
         return Kriging(dimension, make_parameters(KrigingParameters, given, "surrogate kriging"))
 
     run_trial(AdaptiveKrigingSearch, Trial(SPACE, budget=24), {**settings, "interpolant_from": 1.0}, surrogate=make)
-    assert set(seen) == {("kriging", prior, share)}
+    assert set(seen) == {("kriging", prior)}
 
 
 @pytest.mark.parametrize(

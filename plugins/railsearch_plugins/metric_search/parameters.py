@@ -11,21 +11,14 @@ REGULARISED: Mapping[str, Mapping[str, object]] = {
 }
 """Settings of a surrogate in a search by improvement: few points must not tell variables apart by chance."""
 
-ADDITIVE: Mapping[str, Mapping[str, object]] = {"kriging": {**REGULARISED["kriging"], "additive_share": 0.2}}
-"""The same, and what each variable does by itself is a part of its own, which few points suffice to learn."""
+REGULARISED_MEANING = "parameters of the surrogate; kriging has " + ", ".join(
+    f"{name} {value}" for name, value in REGULARISED["kriging"].items()
+)
 
 
-def meaning(defaults: Mapping[str, Mapping[str, object]]) -> str:
-    """What a parameter `surrogate_settings` with these defaults says of itself."""
-    of_kriging = ", ".join(f"{name} {value}" for name, value in defaults["kriging"].items())
-    return f"parameters of the surrogate; kriging has {of_kriging} if not set"
-
-
-def completed(
-    defaults: Mapping[str, Mapping[str, object]], surrogate: str, settings: Mapping[str, object] | None
-) -> dict[str, object]:
-    """The settings of a registered surrogate by these defaults, the given ones taking precedence."""
-    return {**defaults.get(surrogate, {}), **(settings or {})}
+def regularised(surrogate: str, settings: Mapping[str, object] | None) -> dict[str, object]:
+    """The settings of a registered surrogate in a search by improvement, the given ones taking precedence."""
+    return {**REGULARISED.get(surrogate, {}), **(settings or {})}
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from railsearch.hookspecs import Register, hookimpl
 from railsearch.interfaces import Capabilities, Surrogate, parameter
 from railsearch_plugins.metric_search.adaptive_search import AdaptiveSearch, AdaptiveSearchParameters
-from railsearch_plugins.metric_search.parameters import ADDITIVE, completed, meaning
+from railsearch_plugins.metric_search.parameters import REGULARISED_MEANING, regularised
 
 
 @dataclass(frozen=True)
@@ -16,7 +16,7 @@ class AdaptiveKrigingParameters(AdaptiveSearchParameters):
     surrogate: str = parameter("kriging", meaning="name of the registered surrogate, one that has a deviation")
     surrogate_settings: dict[str, object] | None = parameter(  # noqa: RUF009 - a field, not a value
         None,
-        meaning=meaning(ADDITIVE),
+        meaning=f"{REGULARISED_MEANING} if not set",
     )
     interpolant_from: float = parameter(
         0.5,
@@ -31,16 +31,13 @@ class AdaptiveKrigingParameters(AdaptiveSearchParameters):
 
 
 class AdaptiveKrigingSearch(AdaptiveSearch):
-    """Expected improvement of a Gaussian process among perturbations of the incumbent of many sizes, with restarts.
-
-    The process is in part a sum of processes of one variable (Duvenaud, Nickisch and Rasmussen 2011).
-    """
+    """Expected improvement of a Gaussian process among perturbations of the incumbent of many sizes, with restarts."""
 
     Parameters = AdaptiveKrigingParameters
     capabilities = Capabilities(integers=True, batch=True)
 
     def _new_surrogate(self, settings: Mapping[str, object]) -> Surrogate:
-        return super()._new_surrogate(completed(ADDITIVE, self._parameters.surrogate, settings))
+        return super()._new_surrogate(regularised(self._parameters.surrogate, settings))
 
 
 @hookimpl

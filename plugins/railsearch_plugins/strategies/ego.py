@@ -33,7 +33,7 @@ from railsearch.sampling import random_designs
 from railsearch.space import FloatArray
 from railsearch_plugins.metric_search.believer import believing
 from railsearch_plugins.metric_search.candidates import perturbed
-from railsearch_plugins.metric_search.parameters import REGULARISED, completed, meaning
+from railsearch_plugins.metric_search.parameters import REGULARISED_MEANING, regularised
 from railsearch_plugins.metric_search.tree_search import tree_search
 from railsearch_plugins.surrogate_search.log_improvement import NegativeLogImprovement
 from railsearch_plugins.surrogate_search.models import ResponseModels, surrogate_maker
@@ -63,7 +63,7 @@ class EfficientGlobalOptimisationParameters(MultiscaleParameters):
         minimum=2,
     )
     surrogate_settings: dict[str, object] | None = parameter(  # noqa: RUF009 - a field, not a value
-        None, meaning=meaning(REGULARISED)
+        None, meaning=f"{REGULARISED_MEANING} if not set"
     )
     perturbed_coordinates: float = parameter(
         3.0,
@@ -94,7 +94,7 @@ class EfficientGlobalOptimisation(SurrogateSearch):
         size = parameters.initial_size or default_initial_size(context.space.dimension)
         super().__init__(context, size, parameters.minimum_distance)
         self._parameters = parameters
-        settings = completed(REGULARISED, parameters.surrogate, parameters.surrogate_settings)
+        settings = regularised(parameters.surrogate, parameters.surrogate_settings)
         make = surrogate_maker(context, parameters.surrogate, settings)
         methods = ("gradient", "deviation", "deviation_gradient")
         require_methods(
