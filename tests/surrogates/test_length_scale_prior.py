@@ -6,7 +6,7 @@ from scipy.optimize import approx_fprime
 from scipy.stats import lognorm
 
 from railsearch.parameters import make_parameters
-from railsearch_plugins.gaussian_process.estimation import Hyperparameters, _surprise, criterion
+from railsearch_plugins.gaussian_process.estimation import Hyperparameters, criterion, surprise
 from railsearch_plugins.gaussian_process.system import Training
 from railsearch_plugins.surrogates.kriging import Kriging, KrigingParameters
 
@@ -31,13 +31,13 @@ def test_the_surprise_is_minus_twice_the_log_density_of_log_normal_scales():
         density = lognorm.logpdf(theta, deviation, scale=centre) + logarithms
         return -2.0 * np.sum(density - lognorm.logpdf(centre, deviation, scale=centre) - np.log(centre))
 
-    value, derivative = _surprise(np.log(scales), deviation)
+    value, derivative = surprise(np.log(scales), deviation)
     assert value == pytest.approx(minus_twice(np.log(scales)))
     np.testing.assert_allclose(derivative, approx_fprime(np.log(scales), minus_twice), rtol=1e-5)
 
 
 def test_without_a_prior_nothing_is_added():
-    value, derivative = _surprise(np.log([0.2, 1.0]), None)
+    value, derivative = surprise(np.log([0.2, 1.0]), None)
     assert value == 0.0
     assert not derivative.any()
 

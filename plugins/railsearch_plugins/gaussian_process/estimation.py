@@ -23,8 +23,8 @@ of the length scales adds −2/n times its log-density, Σ (log θ − μ)²/(n 
 by chance.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import minimize
@@ -69,10 +69,11 @@ Criterion = Callable[[Solution], tuple[float, FloatArray]]
 
 @dataclass(frozen=True)
 class Hyperparameters:
-    """Length scales θ (d,) and the nugget ν."""
+    """Length scales θ (d,), the nugget ν, and the share of a sum over the variables where there is one."""
 
     length_scales: FloatArray
     nugget: float
+    share: float = 0.0
 
 
 def likelihood(solution: Solution) -> tuple[float, FloatArray]:
@@ -131,9 +132,14 @@ def criterion(
     value, derivative = CRITERIA[parameters.estimation](solve(lower, training))
     by_nugget = nugget * float(np.trace(derivative))
     weighted = np.multiply(derivative, slopes, out=derivative)
+    return value, by_length_scales(weighted, points, scales), by_nugget
+
+
+def by_length_scales(weighted: FloatArray, points: FloatArray, scales: FloatArray) -> FloatArray:
+    """Σ_ij M_ij g_ij D_r,ij/θ_r² (d,), the derivatives by log θ, with M ∘ g (n, n) at hand."""
     sums = weighted.sum(axis=0) + weighted.sum(axis=1)
-    by_scales = (sums @ points**2 - 2.0 * np.sum(points * (weighted @ points), axis=0)) / scales**2
-    return value, by_scales, by_nugget
+    derivatives: FloatArray = (sums @ points**2 - 2.0 * np.sum(points * (weighted @ points), axis=0)) / scales**2
+    return derivatives
 
 
 def estimated(
@@ -149,7 +155,8 @@ def estimated(
     if start is not None:
         return _minimised(training, parameters, start)[0]
     small = subset(training, generator)
-    found = [_minimised(small, parameters, at) for at in _starts(small, parameters, generator)]
+    begun = starts(small, parameters, generator, lambda at: criterion(small, parameters, at)[0])
+    found = [_minimised(small, parameters, at) for at in begun]
     best, _ = min(found, key=lambda pair: pair[1])
     return best if small is training else _minimised(training, parameters, best)[0]
 
@@ -170,53 +177,90 @@ def given_length_scales(parameters: GaussianProcessParameters, dimension: int) -
     return np.broadcast_to(given, dimension).copy()
 
 
-def _starts(
-    training: Training, parameters: GaussianProcessParameters, generator: np.random.Generator
+def starts(
+    training: Training,
+    parameters: GaussianProcessParameters,
+    generator: np.random.Generator,
+    worth: Callable[[Hyperparameters], float],
 ) -> list[Hyperparameters]:
-    """The best common length scale, and random ones by variable around it."""
+    """The common length scale of least `worth`, and random ones by variable around it."""
     dimension = training.points.shape[1]
     nugget = NUGGET_START if parameters.estimate_nugget else parameters.nugget
     if parameters.length_scales is not None:
         return [Hyperparameters(given_length_scales(parameters, dimension), nugget)]
     lowest, highest = parameters.length_scale_bounds or SEARCH_BOUNDS
     common = np.clip(ISOTROPIC_STARTS * np.sqrt(dimension), lowest, highest)
-    isotropic = [Hyperparameters(np.full(dimension, scale), nugget) for scale in common]
-    best = min(isotropic, key=lambda at: criterion(training, parameters, at)[0])
+    best = min([Hyperparameters(np.full(dimension, scale), nugget) for scale in common], key=worth)
     steps = SPREAD * generator.standard_normal((parameters.starts - 1, dimension))
     return [best] + [Hyperparameters(np.clip(best.length_scales * np.exp(step), lowest, highest), nugget) for step in steps]
+
+
+@dataclass(frozen=True)
+class Unknowns:
+    """What is optimised, η: log θ where it is not given, log ν where it is estimated."""
+
+    parameters: GaussianProcessParameters
+    given: Hyperparameters
+
+    @property
+    def n_scales(self) -> int:
+        """How many of η are length scales: d or none."""
+        return len(self.given.length_scales) if self.parameters.length_scales is None else 0
+
+    @property
+    def start(self) -> FloatArray:
+        """η at the given hyperparameters."""
+        nuggets = [max(self.given.nugget, NUGGETS[0])] * self.parameters.estimate_nugget
+        logarithms: FloatArray = np.log(np.append(self.given.length_scales[: self.n_scales], nuggets))
+        return logarithms
+
+    @property
+    def bounds(self) -> list[tuple[float, float]]:
+        """The least and the largest of each."""
+        scales = [self.parameters.length_scale_bounds or SEARCH_BOUNDS] * self.n_scales
+        return [tuple(np.log(pair)) for pair in scales + [NUGGETS] * self.parameters.estimate_nugget]
+
+    def hyperparameters(self, eta: FloatArray) -> Hyperparameters:
+        """The hyperparameters at η, those that are not part of it as given."""
+        scales = np.exp(eta[: self.n_scales]) if self.n_scales else self.given.length_scales
+        return replace(
+            self.given,
+            length_scales=scales,
+            nugget=float(np.exp(eta[-1])) if self.parameters.estimate_nugget else self.given.nugget,
+        )
+
+    def with_prior(self, eta: FloatArray, by_scales: FloatArray, by_nugget: float, size: int) -> tuple[float, FloatArray]:
+        """What the prior adds to the criterion of `size` points, and the derivatives by η of both together."""
+        value, by_prior = surprise(eta[: self.n_scales], self.parameters.length_scale_prior)
+        gradient = by_scales[: self.n_scales] + by_prior / size
+        return value / size, np.append(gradient, [by_nugget] * self.parameters.estimate_nugget)
+
+
+def minimiser(
+    objective: Callable[[FloatArray], tuple[float, FloatArray]], start: FloatArray, bounds: Sequence[tuple[float, float]]
+) -> tuple[FloatArray, float]:
+    """The local minimiser of an objective with its gradient, by L-BFGS-B, and the value there."""
+    options = {"maxiter": ITERATIONS, "ftol": TOLERANCE}
+    result = minimize(objective, start, jac=True, method="L-BFGS-B", bounds=bounds, options=options)
+    return result.x, float(result.fun)
 
 
 def _minimised(
     training: Training, parameters: GaussianProcessParameters, start: Hyperparameters
 ) -> tuple[Hyperparameters, float]:
-    """The local minimiser of the criterion from a start, by L-BFGS-B in η, and the criterion there."""
-    scales_free, nugget_free = parameters.length_scales is None, parameters.estimate_nugget
-    n_scales = len(start.length_scales) if scales_free else 0
+    """The local minimiser of the criterion and the prior in η, from a start, and the value there."""
+    eta = Unknowns(parameters, start)
 
-    def hyperparameters(eta: FloatArray) -> Hyperparameters:
-        scales = np.exp(eta[:n_scales]) if scales_free else start.length_scales
-        return Hyperparameters(scales, float(np.exp(eta[-1])) if nugget_free else start.nugget)
+    def objective(x: FloatArray) -> tuple[float, FloatArray]:
+        value, by_scales, by_nugget = criterion(training, parameters, eta.hyperparameters(x))
+        of_scales, gradient = eta.with_prior(x, by_scales, by_nugget, training.size)
+        return value + of_scales, gradient
 
-    def objective(eta: FloatArray) -> tuple[float, FloatArray]:
-        value, by_scales, by_nugget = criterion(training, parameters, hyperparameters(eta))
-        surprise, by_surprise = _surprise(eta[:n_scales], parameters.length_scale_prior)
-        gradient = by_scales[:n_scales] + by_surprise / training.size
-        return value + surprise / training.size, np.append(gradient, [by_nugget] * nugget_free)
-
-    nuggets = [max(start.nugget, NUGGETS[0])] * nugget_free
-    bounds = [parameters.length_scale_bounds or SEARCH_BOUNDS] * n_scales + [NUGGETS] * nugget_free
-    result = minimize(
-        objective,
-        np.log(np.append(start.length_scales[:n_scales], nuggets)),
-        jac=True,
-        method="L-BFGS-B",
-        bounds=np.log(bounds),
-        options={"maxiter": ITERATIONS, "ftol": TOLERANCE},
-    )
-    return hyperparameters(result.x), float(result.fun)
+    found, value = minimiser(objective, eta.start, eta.bounds)
+    return eta.hyperparameters(found), value
 
 
-def _surprise(logarithms: FloatArray, deviation: float | None) -> tuple[float, FloatArray]:
+def surprise(logarithms: FloatArray, deviation: float | None) -> tuple[float, FloatArray]:
     """Σ (log θ − μ)²/τ² of length scales (d,) and its derivatives; zeros without a prior."""
     if deviation is None or not len(logarithms):
         return 0.0, np.zeros_like(logarithms)

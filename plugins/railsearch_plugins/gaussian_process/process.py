@@ -15,6 +15,7 @@ has a variance about one whatever the unit; see system.py for L, G, S, α and β
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -75,7 +76,7 @@ class GaussianProcess:
         flat = spread <= FLAT * float(np.max(np.abs(values)))
         self._centre, self._scale = coefficients, 1.0 if flat else spread
         training = Training(points, trend, np.zeros(len(values)) if flat else rest / spread)
-        self._use(training, estimated(training, self._parameters, generator, start))
+        self._use(training, self._estimated(training, generator, start))
 
     def extend(self, points: FloatArray, values: FloatArray) -> None:
         """Add points (k, d) with values (k,) at the present hyperparameters."""
@@ -155,10 +156,18 @@ class GaussianProcess:
         return trend
 
     def _use(self, training: Training, wanted: Hyperparameters) -> None:
-        self._solution, nugget = solved(training, self._parameters, wanted)
+        self._solution, nugget = self._solved(training, wanted)
         self._training, self._variance = training, None
         self.nugget_added = nugget - wanted.nugget
-        self.hyperparameters = Hyperparameters(wanted.length_scales, nugget)
+        self.hyperparameters = replace(wanted, nugget=nugget)
+
+    def _estimated(
+        self, training: Training, generator: np.random.Generator, start: Hyperparameters | None
+    ) -> Hyperparameters:
+        return estimated(training, self._parameters, generator, start)
+
+    def _solved(self, training: Training, at: Hyperparameters) -> tuple[Solution, float]:
+        return solved(training, self._parameters, at)
 
     def _state(self) -> tuple[Training, Solution]:
         if self._training is None:
@@ -207,11 +216,12 @@ class GaussianProcess:
     def _mean_gradient(self, points: FloatArray, slopes: FloatArray) -> FloatArray:
         """Its derivatives (k, d) with the slopes g (k, n) at hand."""
         gradient: FloatArray = self._trend.gradient(points) @ self.coefficients
-        return gradient - self._scale * self._slope(points, slopes * self._state()[1].weights)
+        return gradient - self._scale * self._descent(points, slopes, self._state()[1].weights[None, :])
 
-    def _slope(self, points: FloatArray, weights: FloatArray) -> FloatArray:
-        """Σ_k weights_k (x − x_k)/θ² (k, d), weights (k, n)."""
+    def _descent(self, points: FloatArray, slopes: FloatArray, weights: FloatArray) -> FloatArray:
+        """−Σ_k weights_k ∂R/∂x = Σ_k weights_k g_k (x − x_k)/θ² (k, d), slopes g (k, n), weights (k, n) or (1, n)."""
         training, _ = self._state()
+        weights = slopes * weights
         differences: FloatArray = weights.sum(axis=1, keepdims=True) * points - weights @ training.points
         return differences / self.hyperparameters.length_scales**2
 
@@ -238,7 +248,7 @@ class GaussianProcess:
         v, w, slopes = self._whitened(points)
         pulled = solve_triangular(solution.lower, v + solution.orthogonal @ w, lower=True, trans="T", check_finite=False)
         by_trend = solve_triangular(solution.triangle, w, check_finite=False)
-        half = self._slope(points, pulled.T * slopes) + np.einsum("kdp,pk->kd", self._trend.gradient(points), by_trend)
+        half = self._descent(points, slopes, pulled.T) + np.einsum("kdp,pk->kd", self._trend.gradient(points), by_trend)
         share = self._share(v, w)[:, None]
         slope: FloatArray = np.divide(half, np.sqrt(share), out=np.zeros_like(half), where=share > 0.0)
         return math.sqrt(self.variance) * slope

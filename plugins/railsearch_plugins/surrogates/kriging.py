@@ -11,7 +11,8 @@ from railsearch.hookspecs import Register, hookimpl
 from railsearch.interfaces import parameter
 from railsearch.space import FloatArray
 
-from ..gaussian_process.estimation import Hyperparameters, given_length_scales
+from ..gaussian_process.additive import AdditiveProcess, additive_basis
+from ..gaussian_process.estimation import given_length_scales
 from ..gaussian_process.parameters import INPUT_BOUNDS, GaussianProcessParameters
 from ..gaussian_process.placement import PlacedProcess, Rounding
 from ..gaussian_process.process import GaussianProcess
@@ -38,6 +39,21 @@ class KrigingParameters(GaussianProcessParameters):
         source="Garrido-Merchán & Hernández-Lobato 2020",
         minimum=0,
     )
+    additive_share: float = parameter(
+        0.0,
+        meaning="share of a sum of processes of one variable, about which it is estimated, its logit with a deviation "
+        "of 1.5; 0 for a process without such a part",
+        source="Duvenaud, Nickisch & Rasmussen 2011",
+        minimum=0.0,
+        below=1.0,
+    )
+    additive_length_scale: float = parameter(
+        0.15,
+        meaning="length scale of the processes of one variable, as a fraction of its range",
+        source="own choice: several waves over the range of a variable",
+        minimum=0.02,
+        maximum=2.0,
+    )
     reoptimise_every: int = parameter(
         10,
         meaning="added points after which the length scales are optimised again, from the last ones",
@@ -53,7 +69,8 @@ class Kriging:
     On the unit cube of a search, or of random inputs in their own units (`for_inputs`): there it lives in the coordinates
     of their polynomials, lognormal inputs in their logarithm, over the range of the points of the last fit.
     Source: Sacks et al. 1989; Dubrule 1983; Bachoc 2013; Garrido-Merchán and Hernández-Lobato 2020 for integers, which are
-    rounded before anything else, so that the prediction is constant, and its gradient zero, between them.
+    rounded before anything else, so that the prediction is constant, and its gradient zero, between them; Duvenaud, Nickisch
+    and Rasmussen 2011 for `additive_share`.
     """
 
     Parameters = KrigingParameters
@@ -70,7 +87,7 @@ class Kriging:
         self._dimension = dimension
         self._parameters = parameters
         self._inputs = inputs
-        process = GaussianProcess(PolynomialTrend(DEGREES[parameters.trend]), parameters)
+        process = _process(parameters)
         self._model = PlacedProcess(process, Rounding(np.array(parameters.integer_steps or [0] * dimension, dtype=float)))
         self._points = np.empty((0, dimension))
         self._values = np.empty(0)
@@ -83,6 +100,10 @@ class Kriging:
             raise InputError(
                 f"kriging: integer_steps are of the unit cube, and these inputs are continuous, received "
                 f"{list(parameters.integer_steps)}; leave them out"
+            )
+        if parameters.additive_share > 0.0:
+            raise InputError(
+                "kriging: additive_share is of the unit cube, and these inputs may lie beyond any; leave it out"
             )
         bounds = parameters.length_scale_bounds or INPUT_BOUNDS
         return cls(inputs.dimension, replace(parameters, length_scale_bounds=bounds), inputs)
@@ -152,13 +173,21 @@ class Kriging:
 
     def _reoptimise(self) -> None:
         last, parameters = self.process.hyperparameters, self._parameters
-        start = Hyperparameters(last.length_scales, last.nugget if parameters.estimate_nugget else parameters.nugget)
+        start = replace(last, nugget=last.nugget if parameters.estimate_nugget else parameters.nugget)
         self._model.fit(self._points, self._values, np.random.default_rng(parameters.seed), start)
         self._optimised = len(self._points)
 
     def _checked(self, points: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
         points, values = checked_data("kriging", self._dimension, points, values)
         return points if self._inputs is None else self._inputs.checked(points), values
+
+
+def _process(parameters: KrigingParameters) -> GaussianProcess:
+    """The Gaussian process that the parameters ask for, not fitted."""
+    trend = PolynomialTrend(DEGREES[parameters.trend])
+    if parameters.additive_share == 0.0:
+        return GaussianProcess(trend, parameters)
+    return AdditiveProcess(trend, parameters, additive_basis(parameters.additive_length_scale), parameters.additive_share)
 
 
 @hookimpl
