@@ -288,6 +288,12 @@ def test_length_scales_never_raise_the_error_that_is_weighted_towards_the_best_p
     assert errors[1] <= errors[0]
 
 
+def test_kriging_chooses_among_transforms_too():
+    """By its leave-one-out residuals, as the interpolant does."""
+    settings = {"transforms": ["identity", "copula"], "adapt_every": 2, "interpolant_from": 1.0}
+    assert len(run_trial(AdaptiveKrigingSearch, Trial(SPACE, budget=28), settings)) == 28
+
+
 @pytest.mark.parametrize(("settings", "prior"), [({}, 0.5), ({"surrogate_settings": {"length_scale_prior": 2.0}}, 2.0)])
 def test_kriging_is_regularised_unless_it_is_told_otherwise(settings, prior):
     seen = []

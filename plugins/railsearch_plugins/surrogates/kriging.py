@@ -123,6 +123,10 @@ class Kriging:
         """The mean square of the leave-one-out residuals as a fraction of the variance of the values."""
         return self.errors["leave-one-out"]
 
+    def leave_one_out_residuals(self) -> FloatArray:
+        """Residuals (n,): each value less its prediction from the others, at the hyperparameters of the fit."""
+        return self.process.leave_one_out_residuals
+
     def fit(self, points: FloatArray, values: FloatArray) -> None:
         """Fit to points (n, d) with values (n,), the length scales searched from several starts.
 
