@@ -1,7 +1,7 @@
 """The command that finds out which inputs move the worst response: sensitivity."""
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -11,7 +11,6 @@ import typer
 
 from railsearch.commands.options import (
     AsJson,
-    Asked,
     Assignments,
     Parameters,
     asked_problem,
@@ -21,31 +20,20 @@ from railsearch.commands.options import (
     print_json,
     results,
 )
-from railsearch.commands.sampling import sampled_into
+from railsearch.commands.sensitivity_sources import ProblemSource, Source, own_source
 from railsearch.commands.sensitivity_words import print_study
 from railsearch.errors import InputError
 from railsearch.plugin_manager import Registry, load_plugins
-from railsearch.result import quantities
 from railsearch.run_directory import make_folder, write_whole
-from railsearch.samples import ExperimentDesign, MeasureDesign, input_distributions, read_samples
-from railsearch.seeding import checked_seed
-from railsearch.sensitivity.fitting import check_number
+from railsearch.samples import ExperimentDesign
 from railsearch.sensitivity.thresholds import LIMITS, UPPER
-from railsearch.sensitivity.variance_based import check_base
 from railsearch.sensitivity_study import (
-    ModelSamples,
-    StudyData,
     StudySettings,
     check_study,
-    own_data,
-    problem_data,
     study_document,
     study_samples,
 )
-from railsearch.sensitivity_study import confirm as confirmed
-from railsearch.simulation import Simulators, simulators
-
-SAMPLES = "samples.parquet"
+from railsearch.simulation import simulators
 
 
 def sensitivity(
@@ -126,37 +114,23 @@ def sensitivity(
         railsearch sensitivity --data measured.csv --distributions inputs.toml --criterion deflection
     """
     registry, folder = load_plugins(), out or Path(f"{name or (data.stem if data else 'data')}-sensitivity")
-    asked, found = None, None
+    source: Source
     if name is None:
-        found = _data_of_ones_own(data, distributions, on_model)
-        inputs, outputs, default = found.inputs, tuple(found.outputs), found.default
+        source = own_source(data, distributions, on_model, seed)
     elif distributions is not None:
         raise InputError("--distributions: they belong to data of your own; those of a problem are in its site file")
     else:
         asked = asked_problem(registry, name, parameters, _all_objectives(registry, name), assigned=assigned)
-        inputs, outputs = input_distributions(asked.problem), tuple(quantity.name for quantity in quantities(asked.problem))
-        default = tuple(objective.name for objective in asked.problem.objectives)
-    chosen = tuple(dict.fromkeys(part.strip() for part in criteria.split(",") if part.strip())) or default
-    set_values = assignments(surrogate_set, "--surrogate-set")
-    limits = _thresholds(thresholds, chosen)
+        simulating, wanted = partial(simulators, asked.problem, timeout, workers), (design, number, seed)
+        source = ProblemSource(registry, asked, folder, data, wanted, on_model, confirm, simulating)
+    chosen = tuple(dict.fromkeys(part.strip() for part in criteria.split(",") if part.strip())) or source.default
+    set_values, limits = assignments(surrogate_set, "--surrogate-set"), _thresholds(thresholds, chosen)
     settings = StudySettings(chosen, limits, points, surrogate, set_values, level, limit, refits)
-    check_study(registry, settings, inputs, outputs)
-    model = None
-    if asked is not None:
-        problem = asked.problem
-        simulating = partial(simulators, problem, timeout, workers)
-        if on_model:
-            check_base(on_model)
-        found, seed = _sampled(registry, asked, data or folder / SAMPLES, data is None, (design, number, seed), simulating)
-        if on_model:
-            model = _model_samples(registry, asked, folder, on_model, seed, simulating)
-    settings = replace(settings, seed=checked_seed(seed))
-    assert found is not None, "data of one's own, or samples of a problem"
-    studies = study_samples(registry, found, settings, messages.print, model)
-    if asked is not None and confirm:
-        messages.print("confirming the extremes by the problem itself")
-        studies = confirmed(studies, problem, simulating())
-    document = study_document(found, settings, studies, command_line())
+    check_study(registry, settings, source.inputs, source.outputs)
+    found = source.collected()
+    settings = replace(settings, seed=found.seed)
+    studies = source.confirmed(study_samples(registry, found.data, settings, messages.print, found.model))
+    document = study_document(found.data, settings, studies, command_line())
     make_folder(folder)
     write_whole(folder / "sensitivity.json", json.dumps(document, ensure_ascii=False, allow_nan=False).encode())
     _draw(folder, document)
@@ -166,46 +140,6 @@ def sensitivity(
     for study in studies:
         print_study(study)
     results().print(f"seed {settings.seed}; everything is in {folder}")
-
-
-def _data_of_ones_own(data: Path | None, distributions: Path | None, on_model: int) -> StudyData:
-    if data is None or distributions is None:
-        raise InputError("a problem is needed, or --data with --distributions; `railsearch list problem` has the problems")
-    if on_model:
-        raise InputError("--on-model: data of your own have no model that could be evaluated; leave it out")
-    found = own_data(data, distributions)
-    outputs = ", ".join(found.outputs) or "none"
-    messages.print(f"inputs: {', '.join(found.inputs.names)}; outputs, because they have no distribution: {outputs}")
-    return found
-
-
-def _sampled(
-    registry: Registry,
-    asked: Asked,
-    file: Path,
-    evaluated: bool,
-    wanted: tuple[ExperimentDesign, int, int | None],
-    simulating: Callable[[], Simulators],
-) -> tuple[StudyData, int | None]:
-    """The samples of a problem in a file, and their seed; if to be `evaluated`, as far as that has not been done."""
-    _, number, seed = wanted
-    if evaluated:
-        check_number(number, asked.problem.space.dimension)
-        experiment, _ = sampled_into(file, registry, asked, wanted, simulating())
-        seed = experiment.seed
-    return problem_data(asked.problem, file), seed
-
-
-def _model_samples(
-    registry: Registry, asked: Asked, folder: Path, count: int, seed: int | None, simulating: Callable[[], Simulators]
-) -> ModelSamples:
-    """The problem evaluated in `count` blocks and along as many trajectories, as far as that has not been done."""
-    samples, names = {}, asked.problem.space.names
-    for design in MeasureDesign:
-        file = folder / f"{design}-{count}.parquet"
-        sampled_into(file, registry, asked, (design, design.number(count, len(names)), seed), simulating())
-        samples[design] = read_samples(file, names)
-    return ModelSamples(samples[MeasureDesign.SALTELLI], samples[MeasureDesign.MORRIS])
 
 
 def _draw(folder: Path, document: Mapping[str, Any]) -> None:
