@@ -38,11 +38,6 @@ class MeasureDesign(StrEnum):
     SALTELLI = "saltelli"
     MORRIS = "morris"
 
-    @property
-    def extensible(self) -> bool:
-        """Neither begins with the designs of a smaller one."""
-        return False
-
     def number(self, count: int, dimension: int) -> int:
         """The designs of `count` blocks of d + 2, or trajectories of d + 1."""
         return count * (dimension + (2 if self is MeasureDesign.SALTELLI else 1))

@@ -147,7 +147,6 @@ def test_designs_of_measures_are_the_same_for_the_same_seed_and_refuse_other_num
         designs = designs_of(Product(), experiment)
         assert designs.shape == (design.number(16, 2), 2)
         np.testing.assert_array_equal(designs, designs_of(Product(), experiment))
-        assert not design.extensible
     with pytest.raises(InputError, match="a power of two from 2 is needed"):
         designs_of(Product(), Experiment(MeasureDesign.SALTELLI, MeasureDesign.SALTELLI.number(12, 2), 3))
 
