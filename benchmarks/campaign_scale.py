@@ -18,7 +18,7 @@ from pathlib import Path
 STRATEGIES = 10
 BUDGET = 200
 SAMPLES = 10
-RAILSEARCH = [sys.executable, "-c", "from railsearch.cli import main; main()"]
+RAILSEARCH = [sys.executable, "-m", "railsearch"]
 
 
 def main() -> None:

@@ -47,8 +47,8 @@ def dashboard(folder: Path) -> Iterator[str]:
     port = free_port()
     command = [
         sys.executable,
-        "-c",
-        "from railsearch.cli import main; main()",
+        "-m",
+        "railsearch",
         "dashboard",
         str(folder),
         "--port",

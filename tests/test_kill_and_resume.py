@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-COMMAND = (sys.executable, "-c", "from railsearch.cli import main; main()")
+COMMAND = (sys.executable, "-m", "railsearch")
 SHORT = "[track.geometry]\ntotal_length = 60.0\napproach_length = 30.0\n"
 SLOW = "[function]\ndimension = 4\nintegers = 2\nseconds = 0.1\ncomputing = false\n"
 

@@ -118,7 +118,7 @@ sections = {{ behaviour = {{ journal = "{self.journal}", seconds = {self.seconds
 def command(*words: object) -> subprocess.Popen[str]:
     """A railsearch command in a process that knows the sample plugin."""
     return subprocess.Popen(
-        [sys.executable, "-c", "from railsearch.cli import main; main()", *map(str, words)],
+        [sys.executable, "-m", "railsearch", *map(str, words)],
         env=environment(),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,

@@ -14,7 +14,7 @@ import pytest
 
 from railsearch.samples import read_samples
 
-COMMAND = (sys.executable, "-c", "from railsearch.cli import main; main()")
+COMMAND = (sys.executable, "-m", "railsearch")
 SITE = "[function]\ndimension = 4\nintegers = 2\nseconds = 0.05\ncomputing = false\n"
 OUT = "s.parquet"
 WORDS = ("sample", "ackley", "--n", "30", "--design", "lhs", "--seed", "6", "--parameters", "site.toml", "--out", OUT)
