@@ -4,6 +4,7 @@ import multiprocessing
 import os
 import signal
 import threading
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
@@ -18,11 +19,44 @@ class ChildProcess:
     process: BaseProcess
     connection: Connection
 
+    def receive(self) -> Any:
+        """The next answer of an `AnsweringEnd`; what was warned of meanwhile there is shown here.
+
+        Raises EOFError, OSError when the process is gone.
+        """
+        answer, warned = self.connection.recv()
+        for text in warned:
+            warnings.showwarning(UserWarning(text), UserWarning, self.process.name, 0)
+        return answer
+
     def end(self) -> None:
         """Kill the process and close the pipe."""
         self.process.kill()
         self.process.join()
         self.connection.close()
+
+
+class AnsweringEnd:
+    """The child's end of the pipe. From now on warnings go with the answers in place of to standard error.
+
+    Ctrl-C is left to the parent, and the child ends when its parent does.
+    """
+
+    def __init__(self, connection: Connection) -> None:
+        self._connection = connection
+        self._warned: list[str] = []
+        warnings.showwarning = lambda message, *details, **more: self._warned.append(str(message))
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        threading.Thread(target=_end_with_parent, daemon=True).start()
+
+    def receive(self) -> Any:
+        """What the parent sends. Raises EOFError when it has closed the pipe."""
+        return self._connection.recv()
+
+    def answer(self, answer: Any) -> None:
+        """Send an answer."""
+        warned, self._warned = self._warned, []
+        self._connection.send((answer, warned))
 
 
 def start_child(serve: Callable[..., None], arguments: Sequence[Any], daemon: bool) -> ChildProcess:
@@ -37,12 +71,6 @@ def start_child(serve: Callable[..., None], arguments: Sequence[Any], daemon: bo
     process.start()
     theirs.close()
     return ChildProcess(process, ours)
-
-
-def live_with_parent() -> None:
-    """Called in a child: leave Ctrl-C to the parent, and end when it ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
 
 
 def _end_with_parent() -> None:

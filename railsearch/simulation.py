@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from typing import Protocol
 
-from railsearch.child_process import ChildProcess, live_with_parent, start_child
+from railsearch.child_process import AnsweringEnd, ChildProcess, start_child
 from railsearch.design_problem import DesignProblem
 from railsearch.errors import InputError
 from railsearch.interfaces import Outcome
@@ -114,7 +114,7 @@ class SeparateProcess:
             self.close()
             return f"time limit of {seconds:g} s exceeded"
         try:
-            received: Simulated | None = child.connection.recv()
+            received: Simulated | None = child.receive()
         except (EOFError, OSError):
             child.process.join()
             self.close()
@@ -206,13 +206,13 @@ def _start(problem: DesignProblem) -> ChildProcess:
 
 
 def _serve(connection: Connection, problem: DesignProblem) -> None:
-    live_with_parent()
+    parent = AnsweringEnd(connection)
     problem.warm_up()
-    connection.send(None)
+    parent.answer(None)
     worker = InProcess(problem)
     while True:
         try:
-            design = connection.recv()
+            design = parent.receive()
         except EOFError:
             return
-        connection.send(worker.simulate(design))
+        parent.answer(worker.simulate(design))

@@ -6,7 +6,7 @@ from multiprocessing.connection import Connection
 from typing import Protocol
 
 from railsearch.campaign.cell_run import LiveRuns, Request, Step, advance
-from railsearch.child_process import ChildProcess, live_with_parent, start_child
+from railsearch.child_process import AnsweringEnd, ChildProcess, start_child
 from railsearch.plugin_manager import Registry
 
 
@@ -66,10 +66,10 @@ class Worker:
 
     def advance(self, request: Request) -> Step:
         """Let the process carry a run on. Raises PlaceLost when it dies meanwhile."""
-        connection = self._started()
+        child = self._started()
         try:
-            connection.send(request)
-            step: Step = connection.recv()
+            child.connection.send(request)
+            step: Step = child.receive()
         except (EOFError, OSError) as error:
             self._end()
             raise PlaceLost(f"{self.name} died ({error or 'no answer'})") from None
@@ -81,14 +81,14 @@ class Worker:
             self._closed = True
         self._end()
 
-    def _started(self) -> Connection:
+    def _started(self) -> ChildProcess:
         with self._starting:
             if self._closed:
                 raise PlaceLost(f"{self.name} is closed")
             if self._child is None:
                 # Not daemonic: it may have processes of its own for time limits and batches.
                 self._child = start_child(_serve, [], daemon=False)
-            return self._child.connection
+            return self._child
 
     def _end(self) -> None:
         with self._starting:
@@ -121,10 +121,10 @@ def places_here(registry: Registry, workers: int) -> FixedPlaces:
 
 
 def _serve(connection: Connection) -> None:
-    live_with_parent()
+    parent = AnsweringEnd(connection)
     while True:
         try:
-            request = connection.recv()
+            request = parent.receive()
         except EOFError:
             return
-        connection.send(advance(request))
+        parent.answer(advance(request))

@@ -65,6 +65,15 @@ def test_a_worker_killed_in_mid_campaign_costs_what_it_had_under_way(tmp_path: P
     assert trial.evaluations <= len(trial.calls) <= trial.evaluations + 1
 
 
+def test_what_a_model_warns_of_in_a_process_of_a_process_is_told_here(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    trial = Trial(tmp_path, strategies=("random",), repetitions=1, budget=40, fault="warn", timeout=60.0)
+    with pytest.warns(UserWarning, match="^count is 4$"):
+        assert trial.carry_out(workers=2) == {}
+    assert "count" not in capfd.readouterr().err
+
+
 def test_a_model_that_kills_its_process_is_a_failed_evaluation_in_the_end(tmp_path: Path) -> None:
     """The first such design is tried by two workers, then in a process of its own, as are all that follow in the cell."""
     trial = Trial(tmp_path, strategies=("random",), repetitions=1, budget=40, fault="die")

@@ -2,6 +2,7 @@
 
 import os
 import time
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,7 +21,9 @@ class Behaviour:
 
     journal: str = parameter("", meaning="file that gets a line for every true call")
     seconds: float = parameter(0.0, unit="s", meaning="how long a call lasts", minimum=0.0)
-    fault: str = parameter("", meaning="hang (where a > 2 m) or die where count is 4", choices=("", "hang", "die"))
+    fault: str = parameter(
+        "", meaning="hang (where a > 2 m), die or warn where count is 4", choices=("", "hang", "die", "warn")
+    )
 
 
 class Journalled(DesignProblem):
@@ -53,6 +56,8 @@ class Journalled(DesignProblem):
             time.sleep(3600.0)
         if design[3] == 4 and self.behaviour.fault == "die":
             os._exit(9)
+        if design[3] == 4 and self.behaviour.fault == "warn":
+            warnings.warn(f"count is {design[3]:g}", stacklevel=1)
         time.sleep(self.behaviour.seconds)
         return Outcome(np.array([np.sum((design - 1.0) ** 2)]), {"norm": float(np.linalg.norm(design))})
 
