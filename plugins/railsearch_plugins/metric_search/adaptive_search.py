@@ -14,7 +14,7 @@ from railsearch.space import FloatArray
 
 from .adaptive_model import Adaptation, AdaptiveModel
 from .believer import believing
-from .candidates import perturbation_probability, perturbed
+from .candidates import perturbation_probability, perturbed, perturbed_reals
 from .expected_improvement import expected_improvement
 from .merit import merit
 from .parameters import DynamicCoordinateParameters
@@ -29,6 +29,9 @@ IMPROVEMENT, MERIT = "improvement", "merit"
 
 STEP_SIZES = (2.0, 1.0, 1.0, 0.5, 0.25, 0.125)
 """Standard deviations of mixed perturbations in units of the trajectory's σ, each as likely."""
+
+SMALLEST_FINE_STEP = 0.05
+"""The least standard deviation of a fine step in units of the trajectory's σ; the logarithm is uniform from here to σ."""
 
 NEGLIGIBLE = 1e-14
 """Where no expected improvement exceeds this fraction of the spread of the values, the lowest prediction is taken."""
@@ -62,6 +65,11 @@ class AdaptiveSearchParameters(DynamicCoordinateParameters):
         minimum=0.0,
         maximum=1.0,
     )
+    fine_steps: bool = parameter(
+        True,
+        meaning="where there are integers, every other one of these moves the real variables alone, by steps down to σ/20",
+        source="own study of 340 paired runs",
+    )
     mixed_perturbations: bool = parameter(
         True,
         meaning="perturb by several step sizes and numbers of coordinates at once; otherwise as dycors",
@@ -80,7 +88,9 @@ class AdaptiveSearchParameters(DynamicCoordinateParameters):
 class AdaptiveSearch(MetricSearch):
     """DYCORS' trajectory, with candidates of several kinds, chosen by expected improvement or by merit in turn.
 
-    In the last part of the budget it takes turns with DYCORS itself, on the same trajectory.
+    In the last part of the budget it takes turns with DYCORS itself, on the same trajectory, and with the same merit
+    of designs that differ from the incumbent in the real variables alone: a step of an integer is never small, so that
+    without them the real variables would hardly be tuned to the integers that were found.
 
     A batch is made by the Kriging believer (Ginsbourger, Le Riche and Carraro 2010): each design joins a copy of the
     surrogate with its predicted value before the next is chosen.
@@ -92,6 +102,8 @@ class AdaptiveSearch(MetricSearch):
         super().__init__(context, parameters)
         self._cycle = itertools.cycle(parameters.cycle)
         self._turn_of_interpolant = itertools.cycle((False, True))
+        mixed_variables = bool(context.space.integer.any() and not context.space.integer.all())
+        self._turn_of_fine_steps = itertools.cycle((False, parameters.fine_steps and mixed_variables))
         self._p_initial = min(parameters.perturbed_coordinates / context.space.dimension, 1.0)
 
     def _probability(self, trajectory: Trajectory) -> float:
@@ -104,18 +116,25 @@ class AdaptiveSearch(MetricSearch):
         if late and next(self._turn_of_interpolant):
             interpolant = AdaptiveModel(self._new_interpolant).refresh(trajectory.points, trajectory.values)
             if interpolant is not None:
-                return self._best_of(self._perturbations(), interpolant, self._least_merit)
+                fine = next(self._turn_of_fine_steps)
+                candidates = self._fine_perturbations() if fine else self._perturbations()
+                return self._best_of(candidates, interpolant, self._least_merit)
         candidates = self._mixed_perturbations() if parameters.mixed_perturbations else self._perturbations()
         return self._best_of(candidates, surrogate, self._most_promising)
+
+    def _fine_perturbations(self) -> FloatArray:
+        """Perturbations (t, d) of the incumbent's real variables, of many sizes from σ/20 to σ."""
+        space, trajectory, generator = self._context.space, self._trajectory, self._context.generator
+        sigma = trajectory.step.sigma * SMALLEST_FINE_STEP ** generator.random(self._candidates)
+        return perturbed_reals(space, trajectory.incumbent, sigma, generator)
 
     def _mixed_perturbations(self) -> FloatArray:
         """Perturbations (t, d) of the incumbent of several step sizes, half of them of p(n) d coordinates on average.
 
         The rest are of two coordinates on average, and of any number.
         """
-        space, parameters, trajectory = self._context.space, self._parameters, self._trajectory
+        space, trajectory, count = self._context.space, self._trajectory, self._candidates
         dimension, generator = space.dimension, self._context.generator
-        count = min(parameters.candidates_per_dimension * dimension, parameters.maximum_candidates)
         probability = np.full(count, self._probability(trajectory))
         quarter = count // 4
         probability[:quarter] = min(2.0 / dimension, 1.0)

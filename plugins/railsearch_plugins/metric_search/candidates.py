@@ -50,6 +50,16 @@ def perturbed(
     return np.where(chosen, moved, incumbent)
 
 
+def perturbed_reals(space: Space, incumbent: FloatArray, sigma: FloatArray, generator: np.random.Generator) -> FloatArray:
+    """Candidates (count, d), in native units, that differ from the incumbent (d,) in all real variables and in no integer.
+
+    Perturbations are σ N(0, 1), with one σ for each candidate (count,), in fractions of the range, reflected at the bounds.
+    """
+    steps = sigma[:, None] * generator.standard_normal((len(sigma), space.dimension))
+    moved = space.from_unit(reflected(space.to_unit(incumbent) + steps))
+    return np.where(space.integer, incumbent, moved)
+
+
 def reflected(points: FloatArray) -> FloatArray:
     """Points brought into the unit cube by mirroring at its faces, as often as needed."""
     folded = np.mod(points, 2.0)

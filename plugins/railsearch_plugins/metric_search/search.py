@@ -99,10 +99,15 @@ class MetricSearch:
 
     def _perturbations(self) -> FloatArray:
         """Perturbations (t, d) of the incumbent."""
-        space, parameters, trajectory = self._context.space, self._parameters, self._trajectory
-        count = min(parameters.candidates_per_dimension * space.dimension, parameters.maximum_candidates)
+        space, trajectory, generator = self._context.space, self._trajectory, self._context.generator
         probability = self._probability(trajectory)
-        return perturbed(space, trajectory.incumbent, trajectory.step.sigma, probability, count, self._context.generator)
+        return perturbed(space, trajectory.incumbent, trajectory.step.sigma, probability, self._candidates, generator)
+
+    @property
+    def _candidates(self) -> int:
+        """How many candidates a proposal is chosen among."""
+        parameters = self._parameters
+        return min(parameters.candidates_per_dimension * self._context.space.dimension, parameters.maximum_candidates)
 
     def _leaves(self, surrogate: Surrogate, candidates: FloatArray) -> FloatArray:
         """The integer designs (k, d) that the tree search meets."""
