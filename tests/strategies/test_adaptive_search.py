@@ -209,6 +209,38 @@ def test_late_in_the_budget_every_other_design_has_the_least_merit_by_the_interp
     assert len(early) > 5 < len(late)
 
 
+REALS_AND_INTEGERS = {
+    "mixed": (SPACE, {}, True),
+    "mixed, told not to": (SPACE, {"fine_steps": False}, False),
+    "real": (Space(SPACE.variables[:2]), {}, False),
+    "integer": (Space(tuple(Variable(name, 0.0, 20.0, integer=True) for name in "kmn")), {}, False),
+}
+
+
+@pytest.mark.parametrize(("space", "settings", "fine"), REALS_AND_INTEGERS.values(), ids=REALS_AND_INTEGERS)
+def test_every_other_turn_of_the_interpolant_moves_the_real_variables_alone_where_there_are_integers(space, settings, fine):
+    turns = []
+
+    class Watched(AdaptiveKrigingSearch):
+        def _best_of(self, candidates, surrogate, choose):
+            if choose == self._least_merit:
+                incumbent, sigma = self._trajectory.incumbent, self._trajectory.step.sigma
+                steps = (candidates - incumbent) / (space.upper - space.lower) / sigma
+                turns.append((steps[:, space.integer].any(), steps[:, ~space.integer]))
+            return super()._best_of(candidates, surrogate, choose)
+
+    settings = {"interpolant_from": 0.5, "minimum_distance": 1e-5, **settings}
+    run_trial(Watched, Trial(space, budget=50), settings, objective=lambda x: np.array([np.sum((x - 0.7) ** 2)]))
+    assert len(turns) >= 8
+    is_fine = [space.integer.any() and not moves_integers for moves_integers, _ in turns]
+    assert is_fine == [fine and turn % 2 == 1 for turn in range(len(turns))]
+    if fine:
+        sizes = np.abs(np.vstack([steps for _, steps in turns[1::2]]))
+        assert (sizes > 0.0).all()
+        logarithm_of_normal = -(np.euler_gamma + np.log(2.0)) / 2.0
+        assert np.mean(np.log(sizes)) == pytest.approx(logarithm_of_normal + np.log(0.05) / 2.0, abs=0.05)
+
+
 @pytest.mark.parametrize("batch_size", [2, 5])
 def test_designs_of_a_batch_are_apart_and_the_second_is_chosen_as_if_the_first_were_known(batch_size):
     settings = {"surrogate": "rbf", "transforms": ["identity"], "cycle": ["improvement"]}

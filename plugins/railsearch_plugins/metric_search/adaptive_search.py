@@ -67,8 +67,8 @@ class AdaptiveSearchParameters(DynamicCoordinateParameters):
     )
     fine_steps: bool = parameter(
         True,
-        meaning="where there are integers, every other one of these moves the real variables alone, by steps down to σ/20",
-        source="own study of 340 paired runs",
+        meaning="where there are integers, every other proposal by the interpolant moves reals alone, by small steps",
+        source="own study of 470 paired runs",
     )
     mixed_perturbations: bool = parameter(
         True,
