@@ -21,7 +21,7 @@ from railsearch.report.sensitivity_figures import sensitivity_figures
 from railsearch.report.sensitivity_page import write_sensitivity_report
 from railsearch.run_directory import write_whole
 from railsearch.samples import ExperimentDesign
-from railsearch.sensitivity_study import StudySettings, confirm, problem_data, study_document, study_samples
+from railsearch.sensitivity_study import StudySettings, StudyWatcher, confirm, problem_data, study_document, study_samples
 from railsearch.simulation import simulators
 from railsearch.site import Site
 
@@ -68,7 +68,7 @@ def _studied(registry, label, problem, data, asked):
         return json.loads(file.read_text(encoding="utf-8"))
     thresholds = {study.criterion: THRESHOLDS[study.criterion]}
     settings = StudySettings((study.criterion,), thresholds, asked.points, study.surrogate, study.settings, seed=asked.seed)
-    studies = confirm(study_samples(registry, data, settings, print), problem, simulators(problem))
+    studies = confirm(study_samples(registry, data, settings, StudyWatcher(print)), problem, simulators(problem))
     document = study_document(data, settings, studies, COMMAND)
     write_whole(file, json.dumps(document, ensure_ascii=False, allow_nan=False).encode())
     return document

@@ -1,4 +1,4 @@
-"""The live progress bars of a search and of a sample: evaluations, best so far, failures, time left."""
+"""The live progress bars of a search, a sample and a sensitivity study: what is done, best so far, failures, time left."""
 
 import re
 import warnings
@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
 from rich.table import Column
 
 from railsearch.commands.options import messages
@@ -14,6 +14,7 @@ from railsearch.design_problem import DesignProblem
 from railsearch.interfaces import Evaluation
 from railsearch.result import START, flat_start, values_of
 from railsearch.run import Watch, front
+from railsearch.sensitivity_study import StudyWatcher
 
 FAILURES_SHOWN = 5
 NUMBER = re.compile(r"[-+]?\d[\d.]*(?:e[-+]?\d+)?")
@@ -67,6 +68,28 @@ def sample_progress(number: int, done: Sequence[Evaluation]) -> Iterator[Watch]:
             progress.update(task, advance=1, failed=failures.noted(evaluation))
 
         yield watch
+
+
+@contextmanager
+def study_progress() -> Iterator[StudyWatcher]:
+    """What a sensitivity study does next, in lines on standard error, and a progress bar for the refits of each criterion."""
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=10),
+        MofNCompleteColumn(),
+        TextColumn("refits,"),
+        TimeRemainingColumn(),
+        TextColumn("left"),
+    )
+    with Progress(*columns, console=messages) as progress:
+        bars: dict[str, TaskID] = {}
+
+        def refit(criterion: str, number: int, count: int) -> None:
+            if criterion not in bars:
+                bars[criterion] = progress.add_task(criterion, total=count)
+            progress.update(bars[criterion], completed=number)
+
+        yield StudyWatcher(progress.console.print, refit)
 
 
 @contextmanager

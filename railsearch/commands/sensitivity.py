@@ -20,6 +20,7 @@ from railsearch.commands.options import (
     print_json,
     results,
 )
+from railsearch.commands.progress import study_progress
 from railsearch.commands.sensitivity_sources import ProblemSource, Source, own_source
 from railsearch.commands.sensitivity_words import print_study
 from railsearch.errors import InputError
@@ -129,7 +130,9 @@ def sensitivity(
     check_study(registry, settings, source.inputs, source.outputs)
     found = source.collected()
     settings = replace(settings, seed=found.seed)
-    studies = source.confirmed(study_samples(registry, found.data, settings, messages.print, found.model))
+    with study_progress() as watcher:
+        studies = study_samples(registry, found.data, settings, watcher, found.model)
+    studies = source.confirmed(studies)
     document = study_document(found.data, settings, studies, command_line())
     make_folder(folder)
     write_whole(folder / "sensitivity.json", json.dumps(document, ensure_ascii=False, allow_nan=False).encode())

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -74,6 +75,18 @@ class StudySettings:
         for name, values in self.thresholds.items():
             if not np.isfinite(values).all():
                 raise InputError(f"thresholds of {name}: finite numbers are needed, received {', '.join(map(str, values))}")
+
+
+def _silent(*told: object) -> None:
+    """Nobody is told."""
+
+
+@dataclass(frozen=True)
+class StudyWatcher:
+    """Who is told what happens: what is done next in words; a refit of a criterion, how many there are, of how many."""
+
+    stage: Callable[[str], None] = _silent
+    refit: Callable[[str, int, int], None] = _silent
 
 
 @dataclass(frozen=True)
@@ -184,10 +197,10 @@ def study_samples(
     registry: Registry,
     data: StudyData,
     settings: StudySettings,
-    watch: Callable[[str], None],
+    watcher: StudyWatcher,
     model: ModelSamples | None = None,
 ) -> list[CriterionStudy]:
-    """Study the criteria of the settings; `watch` is told what is done next.
+    """Study the criteria of the settings; `watcher` is told what is done next.
 
     model: samples for classical measures on the model itself. Raises InputError for samples that cannot occur, and as the
     surrogate, `factors_on` and `threshold_surfaces` do.
@@ -199,10 +212,10 @@ def study_samples(
     for number, output in enumerate(outputs):
         seeds = np.random.SeedSequence([checked_seed(settings.seed), number]).spawn(len(STREAMS))
         generators = {name: np.random.default_rng(seed) for name, seed in zip(STREAMS, seeds, strict=True)}
-        study = _studied(output, fit, inputs, factors, settings, generators, watch, data.whole)
+        study = _studied(output, fit, inputs, factors, settings, generators, watcher, data.whole)
         name = output.quantity.name
         if settings.refits:
-            study = replace(study, spread=_spread(output, fit, factors, settings, generators["refits"], watch))
+            study = replace(study, spread=_spread(output, fit, factors, settings, generators["refits"], watcher))
         if model is not None:
             study = replace(study, on_model=model_measures(name, factors.space, model, generators["model"]))
         studies.append(study)
@@ -223,17 +236,17 @@ def _studied(
     factors: Factors,
     settings: StudySettings,
     generators: Mapping[str, np.random.Generator],
-    watch: Callable[[str], None],
+    watcher: StudyWatcher,
     whole: tuple[str, ...],
 ) -> CriterionStudy:
     name = output.quantity.name
-    watch(f"{name}: surrogate {settings.surrogate} of {len(output.values)} samples")
+    watcher.stage(f"{name}: surrogate {settings.surrogate} of {len(output.values)} samples")
     surrogate = fitted_surrogate(fit, inputs.checked(output.points), output.values, generators["surrogate"])
     model = surrogate.model
-    watch(f"{name}: extremes at {factors.number_of_values} grid values")
+    watcher.stage(f"{name}: extremes at {factors.number_of_values} grid values")
     extremes = extreme_surfaces(model, factors, generators["extremes"], output=output.quantity)
     asked = sorted({*settings.thresholds.get(name, ()), *map(float, np.percentile(output.values, QUANTILES))})
-    watch(f"{name}: classical measures")
+    watcher.stage(f"{name}: classical measures")
     return CriterionStudy(
         output,
         surrogate,
@@ -260,11 +273,9 @@ def _spread(
     factors: Factors,
     settings: StudySettings,
     generator: np.random.Generator,
-    watch: Callable[[str], None],
+    watcher: StudyWatcher,
 ) -> ImportanceSpread:
-    def progress(number: int, count: int) -> None:
-        watch(f"{output.quantity.name}: {number} of {count} refits")
-
+    progress = partial(watcher.refit, output.quantity.name)
     return bootstrap_importances(output.points, output.values, settings.refits, fit, factors, generator, progress=progress)
 
 

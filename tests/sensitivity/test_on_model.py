@@ -14,7 +14,15 @@ from railsearch.run import MemoryRecord
 from railsearch.samples import Experiment, MeasureDesign, Samples, designs_of, evaluate_samples
 from railsearch.sensitivity.screening import elementary_effects
 from railsearch.sensitivity.variance_based import closed_form_indices, sobol_indices
-from railsearch.sensitivity_study import ModelSamples, StudyData, StudySettings, confirm, study_document, study_samples
+from railsearch.sensitivity_study import (
+    ModelSamples,
+    StudyData,
+    StudySettings,
+    StudyWatcher,
+    confirm,
+    study_document,
+    study_samples,
+)
 from railsearch.simulation import simulators
 from railsearch.space import Space, Variable
 from railsearch_plugins.polynomial_chaos.estimator import PolynomialChaosRegressor
@@ -59,7 +67,7 @@ def studied(problem, model=None, **settings):
     bounds = {variable.name: (variable.lower, variable.upper) for variable in SPACE.variables}
     data = StudyData("product", INPUTS, {}, bounds, samples, {"y": MAXIMISED}, ("y",))
     asked = StudySettings(points=11, **settings)
-    studies = study_samples(load_plugins(), data, asked, lambda words: None, model)
+    studies = study_samples(load_plugins(), data, asked, StudyWatcher(), model)
     return data, asked, confirm(studies, problem, simulators(problem))
 
 
@@ -94,7 +102,7 @@ def test_extrapolation_that_nothing_confirms_is_a_warning():
     columns = dict(zip(SPACE.names, points.T, strict=True))
     samples = Samples("memory", columns, {"y": values_at(points)}, {}, {"y": "kN"}, ("",) * 40)
     data = StudyData("product", INPUTS, {}, {}, samples, {"y": MAXIMISED}, ("y",))
-    (study,) = study_samples(load_plugins(), data, StudySettings(points=5), lambda words: None)
+    (study,) = study_samples(load_plugins(), data, StudySettings(points=5), StudyWatcher())
     assert any("it extrapolates, and nothing confirms it" in warning for warning in study.warnings)
     (study,) = confirm([study], Product(), simulators(Product()))
     assert study.warnings == []
@@ -106,7 +114,7 @@ def test_samples_outside_the_ranges_that_exceed_the_extremes_are_said():
     columns = dict(zip(SPACE.names, points.T, strict=True))
     samples = Samples("memory", columns, {"y": values_at(points)}, {}, {"y": "kN"}, ("",) * 60)
     data = StudyData("product", INPUTS, {}, {"a": (-1.0, 1.0)}, samples, {"y": MAXIMISED}, ("y",), whole=("b",))
-    (study,) = study_samples(load_plugins(), data, StudySettings(points=5), lambda words: None)
+    (study,) = study_samples(load_plugins(), data, StudySettings(points=5), StudyWatcher())
     outside = int((points[:, 0] > 1.0).sum())
     assert study.document()["samples"]["outside"] == outside > 0
     first, second = study.warnings
@@ -176,6 +184,8 @@ def test_command_confirms_refits_and_measures_on_the_model(railsearch, tmp_path)
     for confirmed in criterion["confirmed"].values():
         assert confirmed["model"] == pytest.approx(confirmed["surrogate"], rel=0.05)
     assert criterion["spread"]["refits"] == 4
+    assert "4/4 refits" in answer.err
+    assert answer.err.count(" refits") == 1
     for row in criterion["spread"]["factors"]:
         assert row["lower"] <= row["median"] <= row["upper"]
     measures = criterion["on_model"]
