@@ -72,7 +72,7 @@ def sample_progress(number: int, done: Sequence[Evaluation]) -> Iterator[Watch]:
 
 @contextmanager
 def study_progress() -> Iterator[StudyWatcher]:
-    """What a sensitivity study does next, in lines on standard error, and a progress bar for the refits of each criterion."""
+    """What a sensitivity study does next, in lines on standard error, and a progress bar for refits of each criterion."""
     columns = (
         TextColumn("{task.description}"),
         BarColumn(bar_width=10),
