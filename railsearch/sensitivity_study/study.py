@@ -77,16 +77,12 @@ class StudySettings:
                 raise InputError(f"thresholds of {name}: finite numbers are needed, received {', '.join(map(str, values))}")
 
 
-def _silent(*told: object) -> None:
-    """Nobody is told."""
-
-
 @dataclass(frozen=True)
 class StudyWatcher:
     """Who is told what happens: what is done next in words; a refit of a criterion, how many there are, of how many."""
 
-    stage: Callable[[str], None] = _silent
-    refit: Callable[[str, int, int], None] = _silent
+    stage: Callable[[str], None] = lambda text: None
+    refit: Callable[[str, int, int], None] = lambda criterion, number, count: None
 
 
 @dataclass(frozen=True)
