@@ -1,7 +1,9 @@
 """Scores, tables and figures of the peers benchmark, from the folders of its campaigns, finished or not.
 
     python benchmarks/peers/evaluate.py record record-slow record-ours --out benchmarks/results/peers
+    python benchmarks/peers/evaluate.py record-slow --earlier benchmarks/results/peers --out benchmarks/results/peers
 
+The second adds runs to results whose other campaigns are not at hand; of a run that both have, the campaign's counts.
 Writes cells.csv (one row a run), scores.json, tables.md and the figures, and keeps best_known.json beside this file: the
 best values ever found of problems whose optimum is not known.
 """
@@ -19,15 +21,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from railsearch_peers.cells import BUDGETS, CellResult, cell_results, joined, unequal_starts, write_cells
+from railsearch_peers.cells import BUDGETS, CellResult, unequal_starts, write_cells
 from railsearch_peers.figures import ratio_figure, score_figure
+from railsearch_peers.records import CELLS, SCORES, Gathered, continued, gathered, read_results
 from railsearch_peers.scores import REFERENCE, Ranking, Standing, ranking, scored, standings
 from railsearch_peers.tables import medians_table, ranking_table, ranking_words, standings_table
 
-from railsearch.campaign.directory import CampaignDirectory
-from railsearch.campaign.identity import campaign_of
-from railsearch.campaign.reading import read_campaign
-from railsearch.plugin_manager import load_plugins
+from railsearch.errors import InputError
 from railsearch.report.figures import write_figures
 from railsearch.result import versions
 
@@ -36,38 +36,11 @@ BEST_KNOWN = HERE / "best_known.json"
 
 
 @dataclass(frozen=True)
-class Gathered:
-    """The runs of all records, what was planned, by campaign, and the known optima by problem."""
-
-    cells: list[CellResult]
-    campaigns: list[dict[str, Any]]
-    optima: dict[str, float]
-
-
-@dataclass(frozen=True)
 class Found:
     """How the participants stand."""
 
     standings: list[Standing]
     rankings: list[Ranking]
-
-
-def gathered(folders: Sequence[Path]) -> Gathered:
-    """Read the records."""
-    registry = load_plugins()
-    records, campaigns, optima = [], [], {}
-    for folder in folders:
-        directory = CampaignDirectory(folder)
-        stored = directory.stored()
-        results = read_campaign(registry, directory.url(stored), campaign_of(stored["identity"]))
-        records.append(cell_results(results))
-        planned = len(list(results.campaign.cells()))
-        campaigns.append({**stored["identity"], "planned": planned, "complete": len(records[-1])})
-        for label, problem in results.problems.items():
-            front = problem.pareto_front()
-            if front is not None:
-                optima[label] = float(front[0, 0])
-    return Gathered(joined(records), campaigns, optima)
 
 
 def best_known(cells: Sequence[CellResult], optima: Mapping[str, float]) -> dict[str, float]:
@@ -97,9 +70,10 @@ def document(record: Gathered, known: Mapping[str, float], found: Found) -> dict
         "date": datetime.now(UTC).date().isoformat(),
         "commit": _commit(),
         "status": "complete" if all(c["complete"] == c["planned"] for c in record.campaigns) else "incomplete, provisional",
-        "campaigns": [{key: value for key, value in c.items() if key != "problems"} for c in record.campaigns],
+        "campaigns": record.campaigns,
         "versions": versions(),
         "machine": {"processor": _processor(), "cores": os.cpu_count(), "system": platform.platform()},
+        "optima": dict(sorted(record.optima.items())),
         "best_known": dict(sorted(known.items())),
         "ended_early": [f"{_named(cell)}: {cell.ended}" for cell in record.cells if cell.ended],
         "unequal_starts": [_named(cell) for cell in unequal_starts(record.cells)],
@@ -133,16 +107,22 @@ def page(record: Gathered, known: Mapping[str, float], found: Found, said: Mappi
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("folders", nargs="+", type=Path, help="folders of the campaigns")
+    parser.add_argument("--earlier", type=Path, help="folder of results whose runs are kept where the campaigns lack them")
     parser.add_argument("--out", type=Path, required=True, help="folder of the results")
     asked = parser.parse_args()
-    record = gathered(asked.folders)
+    try:
+        record = gathered(asked.folders)
+        if asked.earlier is not None:
+            record = continued(read_results(asked.earlier), record)
+    except InputError as error:
+        parser.error(str(error))
     known = best_known(record.cells, record.optima)
     found = Found(standings(record.cells, known), rankings(record))
     said = document(record, known, found)
     asked.out.mkdir(parents=True, exist_ok=True)
-    write_cells(asked.out / "cells.csv", record.cells)
+    write_cells(asked.out / CELLS, record.cells)
     numbers = json.dumps(said, indent=1, default=_plain, allow_nan=False)
-    (asked.out / "scores.json").write_text(numbers + "\n", encoding="utf-8")
+    (asked.out / SCORES).write_text(numbers + "\n", encoding="utf-8")
     (asked.out / "tables.md").write_text(page(record, known, found, said), encoding="utf-8")
     pictures = {
         "ratios": ratio_figure(found.standings),
