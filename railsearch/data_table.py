@@ -8,6 +8,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from railsearch.errors import InputError
 from railsearch.run_directory import write_whole, writing
 
 if TYPE_CHECKING:
@@ -42,6 +43,19 @@ def write_parquet_table(table: pa.Table, path: Path) -> None:
     buffer = BytesIO()
     pyarrow.parquet.write_table(table, buffer, compression="zstd")
     _write(path, buffer.getvalue())
+
+
+def read_parquet_table(path: Path) -> pa.Table:
+    """Read a Parquet file. Raises InputError, naming the file, if it cannot be read or is none."""
+    import pyarrow.parquet
+
+    try:
+        with path.open("rb") as file:
+            return pyarrow.parquet.read_table(file)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except pyarrow.ArrowException as error:
+        raise InputError(f"{path}: is not a parquet table: {error}") from None
 
 
 def write_csv_table(table: pa.Table, path: Path, comment: str = "") -> None:

@@ -11,6 +11,8 @@ from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from railsearch.campaign.cell_run import Beginning, Request, Step
 from railsearch.campaign.cells import Cell
 from railsearch.campaign.places import Place, PlaceLost, Places
@@ -61,7 +63,8 @@ class _Work:
 class Coordinator:
     """Carries out tasks at places.
 
-    parallel: evaluations of a batch at a time within a run. `failed` has the cells that an error ended, with the reason.
+    parallel: evaluations of a batch at a time within a run; made: the evaluations that are known of a run from elsewhere,
+    which are stored in place of being made. `failed` has the cells that an error ended, with the reason.
     """
 
     def __init__(
@@ -71,11 +74,13 @@ class Coordinator:
         timeout: float | None = None,
         parallel: int = 1,
         watcher: Watcher | None = None,
+        made: Callable[[CellTask], Sequence[Evaluation]] = lambda task: (),
     ) -> None:
         self._storage = storage
         self._timeout = timeout
         self._parallel = parallel
         self._watcher = watcher or Watcher()
+        self._made = made
         self._waiting = deque(_Work(task) for task in tasks)
         self._elsewhere: dict[Cell, tuple[float, _Work]] = {}
         self._unfinished = len(self._waiting)
@@ -170,7 +175,10 @@ class Coordinator:
         task = work.task
         record = self._storage.run(task.description, task.space)
         stored = record.load()
-        error = "" if len(stored) >= task.evaluations else self._searched(work, place, record, stored)
+        if len(stored) < task.evaluations:
+            self._take_over(task, record, stored)
+        finished = self._stopping or len(stored) >= task.evaluations
+        error = "" if finished else self._searched(work, place, record, stored)
         if self._stopping and len(stored) < task.evaluations:
             return
         with self._changed:
@@ -181,14 +189,27 @@ class Coordinator:
         if not error:
             self._watcher.complete(task, stored)
 
+    def _take_over(self, task: CellTask, record: RunStorage, stored: list[Evaluation]) -> None:
+        """Store what is known from elsewhere of a run, if what is stored of it is how that began."""
+        known = self._made(task)
+        if not all(_same(here, there) for here, there in zip(stored, known, strict=False)):
+            return
+        for evaluation in known[len(stored) :]:
+            if self._stopping:
+                return
+            self._keep(task, record, stored, evaluation)
+
+    def _keep(self, task: CellTask, record: RunStorage, stored: list[Evaluation], evaluation: Evaluation) -> None:
+        record.append(evaluation)
+        stored.append(evaluation)
+        self._watcher.evaluation(task, evaluation)
+
     def _searched(self, work: _Work, place: Place, record: RunStorage, stored: list[Evaluation]) -> str:
         """Carry a run on until it ends; the error that ended it, empty if it is complete."""
         step = self._step(work, place, stored, begin=True)
         self._check_versions(place, step)
         while step.evaluation is not None:
-            record.append(step.evaluation)
-            stored.append(step.evaluation)
-            self._watcher.evaluation(work.task, step.evaluation)
+            self._keep(work.task, record, stored, step.evaluation)
             if self._stopping:
                 return ""
             step = self._step(work, place, stored)
@@ -219,6 +240,12 @@ class Coordinator:
         isolated = work.losses.get(len(stored), 0) >= LOSSES_BEFORE_ISOLATION
         identity = dict(work.task.description.identity)
         return Beginning(identity, self._timeout, tuple(stored), self._parallel, isolated)
+
+
+def _same(here: Evaluation, there: Evaluation) -> bool:
+    """Whether two records of an evaluation say the same, times apart."""
+    equal = np.array_equal(here.design, there.design) and np.array_equal(here.objectives, there.objectives, equal_nan=True)
+    return equal and (here.number, here.reason) == (there.number, there.reason)
 
 
 def _join(threads: Iterable[threading.Thread]) -> None:

@@ -1,6 +1,6 @@
 """From a campaign to its tasks: every cell with its identity, its study and its note, and what is recorded of it already."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -47,15 +47,16 @@ class TaskProgress:
         return sum(self.stored.values())
 
 
-def recorded(tasks: Sequence[CellTask], studies: Mapping[str, StudyProgress]) -> TaskProgress:
-    """How much of the tasks the studies of a storage hold."""
+def recorded(tasks: Sequence[CellTask], studies: Mapping[str, StudyProgress], made: Collection[Cell] = ()) -> TaskProgress:
+    """How much of the tasks the studies of a storage hold; `made` are complete elsewhere and count as if they were here."""
     stored: dict[Cell, int] = {}
     missing = dict.fromkeys((task.cell.problem for task in tasks), 0)
     for task in tasks:
         progress = studies.get(task.description.name)
-        stored[task.cell] = min(progress.evaluations if progress else 0, task.evaluations)
+        here = min(progress.evaluations if progress else 0, task.evaluations)
+        stored[task.cell] = task.evaluations if task.cell in made else here
         missing[task.cell.problem] += task.evaluations - stored[task.cell]
-    return TaskProgress(sum(is_complete(task, studies) for task in tasks), stored, missing)
+    return TaskProgress(sum(stored[task.cell] == task.evaluations for task in tasks), stored, missing)
 
 
 def is_complete(task: CellTask, stored: Mapping[str, StudyProgress]) -> bool:

@@ -13,7 +13,7 @@ import numpy as np
 import typer
 
 from railsearch.campaign.capability import Refusal, capable_cells, check_capable, refusals
-from railsearch.campaign.cells import Campaign
+from railsearch.campaign.cells import Campaign, Cell
 from railsearch.campaign.coordinator import CellTask, Coordinator, failure_message
 from railsearch.campaign.definition import load_campaign
 from railsearch.campaign.directory import CampaignDirectory
@@ -21,6 +21,7 @@ from railsearch.campaign.identity import campaign_identity, campaign_of
 from railsearch.campaign.places import Places, places_here
 from railsearch.campaign.problems import make_problems
 from railsearch.campaign.reading import read_campaign
+from railsearch.campaign.recorded_runs import RecordedRuns, complete_runs
 from railsearch.campaign.results import CampaignResults
 from railsearch.campaign.tasks import TaskProgress, cell_tasks, check_recorded, evaluation_seconds, is_complete, recorded
 from railsearch.campaign.template import campaign_template
@@ -42,6 +43,7 @@ from railsearch.commands.options import (
 from railsearch.dask_cluster import connected
 from railsearch.design_problem import DesignProblem
 from railsearch.errors import CampaignError, InputError
+from railsearch.interfaces import Evaluation
 from railsearch.plugin_manager import Registry, load_plugins
 from railsearch.storage import (
     STORAGE_PATIENCE,
@@ -90,6 +92,14 @@ def campaign(
     out: Annotated[
         Path | None, typer.Option("--out", "-o", metavar="DIR", help="Folder of the campaign; default: its name.")
     ] = None,
+    take: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--take",
+            metavar="results.parquet",
+            help="Take over the complete runs that another folder of the same campaign has in its table; may be repeated.",
+        ),
+    ] = None,
     skip_incapable: Annotated[
         bool, typer.Option("--skip-incapable", help="Leave out the pairs of a strategy and a problem that it cannot search.")
     ] = False,
@@ -111,22 +121,27 @@ def campaign(
     directory = CampaignDirectory(out or Path(prepared.campaign.name))
     given_url = None if storage is None else storage_url(storage)
     url = given_url or directory.embedded_url
+    identity = campaign_identity(prepared.registry, prepared.campaign, prepared.problems)
     document = {
         "command": command_line(),
         "storage": given_url and without_password(given_url),
-        "identity": campaign_identity(prepared.registry, prepared.campaign, prepared.problems),
+        "identity": identity,
         "skipped": [[refusal.problem, refusal.strategy, refusal.reason] for refusal in prepared.skipped],
     }
     changes = directory.changes(document)
     stored = read_progress(url, f"{prepared.campaign.name}/")
     check_recorded(prepared.tasks, stored, without_password(url))
+    known = complete_runs(take or (), prepared.tasks, identity)
     for change in changes.compatible:
         messages.print(f"changed: {change}")
+    if take:
+        new = [task for task in prepared.tasks if task.cell in known and not is_complete(task, stored)]
+        messages.print(f"taken over: {len(new)} complete runs with {sum(task.evaluations for task in new)} evaluations")
     if dry_run:
-        _print_cost(prepared, recorded(prepared.tasks, stored), workers)
+        _print_cost(prepared, recorded(prepared.tasks, stored, known), workers)
         return
     with directory.claimed(document):
-        failed = _carried_out(prepared, url, dask, workers, batch_workers)
+        failed = _carried_out(prepared, url, dask, workers, batch_workers, known)
         found = _report(prepared.registry, directory, document, url)
     _print_found(found, as_json)
     if failed:
@@ -162,12 +177,18 @@ def export(
     """
     from railsearch.campaign.export import write_csv, write_iohprofiler, write_parquet
 
-    writers = {Format.PARQUET: write_parquet, Format.CSV: write_csv, Format.IOHPROFILER: write_iohprofiler}
     chosen = form or _format_of(out)
     directory = CampaignDirectory(folder)
     stored = directory.stored()
     url = directory.url(stored, storage)
-    writers[chosen](read_campaign(load_plugins(), url, campaign_of(stored["identity"])), out)
+    gathered = read_campaign(load_plugins(), url, campaign_of(stored["identity"]))
+    match chosen:
+        case Format.PARQUET:
+            write_parquet(gathered, out, stored["identity"])
+        case Format.CSV:
+            write_csv(gathered, out)
+        case Format.IOHPROFILER:
+            write_iohprofiler(gathered, out)
     messages.print(f"wrote {out}")
 
 
@@ -183,7 +204,9 @@ def _prepared(file: Path, skip_incapable: bool) -> _Prepared:
     return _Prepared(registry, defined, problems, refused, tasks)
 
 
-def _carried_out(prepared: _Prepared, url: str, dask: str | None, workers: int, batch_workers: int) -> str:
+def _carried_out(
+    prepared: _Prepared, url: str, dask: str | None, workers: int, batch_workers: int, known: Mapping[Cell, RecordedRuns]
+) -> str:
     """Carry the cells out; what could not be finished, in words."""
     patience = Patience(0.0 if is_file(url) else STORAGE_PATIENCE, messages.print)
     stored = read_progress(url, f"{prepared.campaign.name}/")
@@ -201,7 +224,12 @@ def _carried_out(prepared: _Prepared, url: str, dask: str | None, workers: int, 
         closing(Storage(url, patience, claims_of(url))) as store,
         campaign_progress(prepared.problems, prepared.tasks, before) as watcher,
     ):
-        coordinator = Coordinator(store, unfinished, prepared.campaign.timeout, batch_workers, watcher)
+
+        def made(task: CellTask) -> Sequence[Evaluation]:
+            cell = task.cell
+            return known[cell].evaluations(cell, prepared.problems[cell.problem]) if cell in known else ()
+
+        coordinator = Coordinator(store, unfinished, prepared.campaign.timeout, batch_workers, watcher, made)
         # A batch system ends a job with SIGTERM: it is answered like Ctrl-C.
         signal.signal(signal.SIGTERM, signal.default_int_handler)
         try:
@@ -240,7 +268,7 @@ def _report(registry: Registry, directory: CampaignDirectory, stored: Mapping[st
     gathered = read_campaign(registry, url, campaign_of(stored["identity"]))
     skipped = {(problem, strategy) for problem, strategy, _ in stored["skipped"]}
     found = campaign_document(gathered, skipped, stored["command"])
-    write_parquet(gathered, directory.results)
+    write_parquet(gathered, directory.results, stored["identity"])
     directory.write_statistics(found)
     write_figures(directory.figures, campaign_figures(found))
     write_campaign_report(directory.report, found, _pictures(gathered, found))

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from railsearch.data_table import with_unit
+from railsearch.data_table import read_parquet_table, with_unit
 from railsearch.errors import InputError
 from railsearch.samples.table import ABOUT, CSV, FORMAT, PARQUET, REASON, Layout, layout_of
 
@@ -49,9 +49,7 @@ def read_table(path: Path) -> FileTable:
 
 
 def _read_parquet(path: Path) -> FileTable:
-    import pyarrow.parquet
-
-    table = pyarrow.parquet.read_table(path)
+    table = read_parquet_table(path)
     metadata = table.schema.metadata or {}
     return FileTable(table, json.loads(metadata[ABOUT.encode()]) if metadata.get(b"format") == FORMAT.encode() else {})
 

@@ -46,8 +46,10 @@ class Described:
     meaning: str = field(default="", compare=False)
 
 
-def results_table(results: CampaignResults) -> pa.Table:
+def results_table(results: CampaignResults, identity: Mapping[str, Any] | None = None) -> pa.Table:
     """The table: campaign, problem, strategy, repetition, evaluation (from 1), what was evaluated and what became of it.
+
+    identity: that of the campaign, with which a table can be read back (`recorded_runs`).
 
     Objectives and metrics have their natural sign; `best_so_far` is that of a problem with one objective,
     `hypervolume_so_far` that of one with more, between the ideal and the reference point that the table's metadata state;
@@ -55,15 +57,17 @@ def results_table(results: CampaignResults) -> pa.Table:
     """
     rows = recorded_cells(results)
     measures = {asked.label: _measure(results, asked) for asked in results.campaign.problems}
-    columns = [*_places(results, rows), *_described(results, rows), *_measured(measures, rows), *_circumstances(rows)]
+    described = dict(_described(results, rows))
+    columns = [*_places(results, rows), *described.values(), *_measured(measures, rows), *_circumstances(rows)]
     boxes = json.dumps({label: _box(results.problems[label], m.box) for label, m in measures.items() if m.box is not None})
-    about = {"format": FORMAT, "campaign": results.campaign.name, "hypervolume_boxes": boxes}
-    return data_table(columns, about)
+    kinds = json.dumps([(d.kind, d.name, d.unit, column.label) for d, column in described.items()])
+    about = {"format": FORMAT, "campaign": results.campaign.name, "hypervolume_boxes": boxes, "described": kinds}
+    return data_table(columns, about if identity is None else {**about, "identity": json.dumps(identity)})
 
 
-def write_parquet(results: CampaignResults, path: Path) -> None:
+def write_parquet(results: CampaignResults, path: Path, identity: Mapping[str, Any] | None = None) -> None:
     """Write the table as a Parquet file, whole or not at all. Raises StorageError if it cannot be written."""
-    write_parquet_table(results_table(results), path)
+    write_parquet_table(results_table(results, identity), path)
 
 
 def write_csv(results: CampaignResults, path: Path) -> None:
@@ -88,8 +92,8 @@ def _places(results: CampaignResults, rows: Recorded) -> Iterator[Column]:
     yield Column("evaluation", pa.array(np.concatenate([np.empty(0, int), *numbers])), meaning="from 1")
 
 
-def _described(results: CampaignResults, rows: Recorded) -> Iterator[Column]:
-    """The columns of what problems describe: variables, then quantities, then constraints."""
+def _described(results: CampaignResults, rows: Recorded) -> Iterator[tuple[Described, Column]]:
+    """What problems describe with its columns: variables, then quantities, then constraints."""
     import pyarrow as pa
 
     cells = [_values(results.problems[cell.problem], record) for cell, record in rows]
@@ -101,9 +105,8 @@ def _described(results: CampaignResults, rows: Recorded) -> Iterator[Column]:
         ]
         values = pa.array(np.concatenate(chunks), from_pandas=True)
         whole = described.kind == VARIABLE and _whole(results, described)
-        yield Column(
-            _label(described, ordered), values.cast(pa.int64()) if whole else values, described.unit, described.meaning
-        )
+        values = values.cast(pa.int64()) if whole else values
+        yield described, Column(_label(described, ordered), values, described.unit, described.meaning)
 
 
 def _values(problem: DesignProblem, record: CellRecord) -> dict[Described, FloatArray]:
