@@ -19,7 +19,7 @@ from railsearch_plugins.metric_search.adaptive_model import SPREAD, Adaptation, 
 from railsearch_plugins.metric_search.adaptive_search import AdaptiveSearchParameters
 from railsearch_plugins.metric_search.expected_improvement import expected_improvement
 from railsearch_plugins.metric_search.merit import merit
-from railsearch_plugins.metric_search.transforms import TRANSFORMS
+from railsearch_plugins.metric_search.transforms import TRANSFORMS, tail
 from railsearch_plugins.strategies.adaptive_kriging import AdaptiveKrigingSearch
 from railsearch_plugins.strategies.adaptive_rbf import AdaptiveInterpolantSearch
 from railsearch_plugins.surrogates.kriging import Kriging, KrigingParameters
@@ -46,7 +46,7 @@ values_lists = st.lists(st.floats(-1e6, 1e6), min_size=3, max_size=30).map(np.ar
 @pytest.mark.parametrize("name", TRANSFORMS)
 @given(values=values_lists)
 def test_a_transform_keeps_the_order_and_is_finite(name, values):
-    transformed = TRANSFORMS[name](values)
+    transformed = TRANSFORMS[name](values)(values)
     order = np.argsort(values, kind="stable")
     assert np.isfinite(transformed).all()
     assert np.all(np.diff(transformed[order]) >= 0.0)
@@ -56,16 +56,28 @@ def test_a_transform_keeps_the_order_and_is_finite(name, values):
 
 def test_normal_scores_depend_on_ranks_alone_and_are_symmetric():
     values = np.array([3.0, 1.0, 1e9, 2.0, -5.0])
-    scores = TRANSFORMS["copula"](values)
+    scores = TRANSFORMS["copula"](values)(values)
     np.testing.assert_allclose(scores, norm.ppf((np.array([3, 1, 4, 2, 0]) + 0.5) / 5.0))
     assert np.sum(scores) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_the_logarithm_is_of_the_excess_over_the_least_value():
     values = np.array([7.0, 8.0, 10.0])
-    np.testing.assert_allclose(TRANSFORMS["logarithm"](values), np.log(np.array([0.1, 1.1, 3.1])))
+    np.testing.assert_allclose(TRANSFORMS["logarithm"](values)(values), np.log(np.array([0.1, 1.1, 3.1])))
     constant = np.full(5, 2.0)
-    np.testing.assert_array_equal(TRANSFORMS["logarithm"](constant), constant)
+    np.testing.assert_array_equal(TRANSFORMS["logarithm"](constant)(constant), constant)
+
+
+def test_only_values_far_above_all_others_are_compressed():
+    values = np.array([1.0, 2.0, 3.0, 4.0, 63.0, 63.0 + 60.0 * (np.e - 1.0), 1e9])
+    transformed = tail(values[:5])(values)
+    np.testing.assert_array_equal(transformed[:5], values[:5])
+    assert transformed[5] == pytest.approx(123.0)
+    assert transformed[6] == pytest.approx(3.0 + 60.0 * (1.0 + np.log((1e9 - 3.0) / 60.0)))
+    slope = (tail(values[:5])(np.array([63.0 + 1e-6]))[0] - 63.0) / 1e-6
+    assert slope == pytest.approx(1.0, abs=1e-4), "no kink where the compression begins"
+    constant = np.array([2.0, 2.0, 2.0, 9.0])
+    np.testing.assert_array_equal(tail(constant)(constant), constant)
 
 
 @pytest.mark.parametrize(("best", "value", "deviation"), [(0.0, 1.0, 0.7), (0.0, -1.0, 0.3), (2.0, 2.0, 5.0)])
@@ -134,6 +146,25 @@ def test_as_it_is_points_are_added_and_the_surrogate_is_that_of_a_fit():
     queries = points_of(9, seed=5)
     assert len(made) == 1
     np.testing.assert_allclose(surrogate.predict(queries), fitted.predict(queries), rtol=1e-9)
+
+
+@pytest.mark.parametrize("height", [1.0, 1e6])
+def test_a_model_is_fitted_anew_only_where_its_values_change(height):
+    points, made = points_of(60), []
+    values = np.where(np.arange(60) % 9 == 4, height, 1.0) * (1.0 + bowl(points))
+    model = AdaptiveModel(lambda settings: made.append(1) or make_rbf(settings), Adaptation(("tail",), every=10))
+    counts = []
+    for n in range(30, 60):
+        surrogate, before = model.refresh(points[:n], values[:n]), len(made)
+        counts.append(before)
+    compressed = tail(values[:50])(values[:59])
+    np.testing.assert_array_equal(model.values, compressed)
+    assert np.array_equal(compressed, values[:59]) == (height == 1.0)
+    fitted = make_rbf({})
+    fitted.fit(points[:59], compressed)
+    queries = points_of(9, seed=5)
+    np.testing.assert_allclose(surrogate.predict(queries), fitted.predict(queries), rtol=1e-9)
+    assert counts == ([1] * 30 if height == 1.0 else [1] * 10 + [2] * 10 + [3] * 10)
 
 
 def test_too_few_points_determine_no_model():
@@ -341,7 +372,7 @@ def test_kriging_is_regularised_unless_it_is_told_otherwise(settings, prior):
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"transforms": ["root"]}, "transforms: unknown 'root'; there are copula, logarithm, identity"),
+        ({"transforms": ["root"]}, "transforms: unknown 'root'; there are copula, logarithm, identity, tail"),
         ({"transforms": []}, "one or more entries"),
         ({"cycle": ["improvment"]}, "improvment"),
         ({"cycle": []}, "one or more entries"),

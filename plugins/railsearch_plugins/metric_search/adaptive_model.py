@@ -8,6 +8,9 @@
 | ℓ | length scales, in [1/8, 8] of their geometric mean, mean 1 | (d,) | - | |
 | w | weights 1/(1 + 4 rank/n), the best point first | (n,) | - | |
 
+A transform is made anew every so many evaluations; values in between are transformed as those before. Where that leaves the
+transformed values of all earlier points as they are, new points are added to the surrogate, otherwise it is fitted anew.
+
 The transform with the largest ρ(T, T − e) over all points plus ρ over the better half is taken, the present one with a bonus
 of 0.02 so that it does not flutter. Length scales are moved one by one, in random order, by a factor of 1.6 up, else down,
 where that lowers Σ w e².
@@ -24,7 +27,7 @@ from railsearch.errors import SurrogateError
 from railsearch.interfaces import Surrogate
 from railsearch.space import FloatArray
 
-from .transforms import TRANSFORMS
+from .transforms import TRANSFORMS, Transform, identity
 
 HABIT = 0.02
 """Bonus of the present transform."""
@@ -77,6 +80,8 @@ class AdaptiveModel:
         self._scales = np.empty(0)
         self._adapted = 0
         self._fitted = 0
+        self._made = 0
+        self._made_transform: Transform = identity(np.empty(0))
         self.transform = self._adaptation.transforms[0]
         self.values = np.empty(0)
         self.surrogate: Surrogate | None = None
@@ -93,26 +98,33 @@ class AdaptiveModel:
 
     def _fit(self, points: FloatArray, values: FloatArray) -> None:
         """Add what is new where the values stay as they are; otherwise fit anew."""
-        self.values = TRANSFORMS[self.transform](values)
-        if self.surrogate is None or self._adaptation.needed or self.transform != "identity":
+        before, self.values = self.values, self._transformed(values)
+        same = np.array_equal(before, self.values[: len(before)])
+        if self.surrogate is None or self._adaptation.needed or not same:
             self.surrogate = self._fitted_surrogate(points, self.values, self._scales)
         elif len(points) > self._fitted:
             try:
-                self.surrogate.add(points[self._fitted :], values[self._fitted :])
+                self.surrogate.add(points[self._fitted :], self.values[self._fitted :])
             except SurrogateError:
                 self.surrogate = self._fitted_surrogate(points, self.values, self._scales)
         self._fitted = len(points)
+
+    def _transformed(self, values: FloatArray) -> FloatArray:
+        """The values by the present transform, which is made anew when that is due."""
+        if not self._made or len(values) - self._made >= self._adaptation.every:
+            self._made_transform, self._made = TRANSFORMS[self.transform](values), len(values)
+        return self._made_transform(values)
 
     def _adapt(self, points: FloatArray, values: FloatArray) -> None:
         """Choose the transform, then move the length scales."""
         names = self._adaptation.transforms
         if len(names) > 1:
             bonus = {name: HABIT * (name == self.transform) for name in names}
-            scores = {name: self._score(points, TRANSFORMS[name](values)) + bonus[name] for name in names}
+            scores = {name: self._score(points, TRANSFORMS[name](values)(values)) + bonus[name] for name in names}
             self.transform = max(names, key=lambda name: scores[name])
         if self._adaptation.length_scales:
-            self._scales = self._moved_scales(points, TRANSFORMS[self.transform](values))
-        self._adapted = len(points)
+            self._scales = self._moved_scales(points, TRANSFORMS[self.transform](values)(values))
+        self._adapted, self._made = len(points), 0
 
     def _score(self, points: FloatArray, transformed: FloatArray) -> float:
         """ρ(T, T − e) over all points plus ρ over the better half."""

@@ -25,6 +25,11 @@ class AdaptiveKrigingParameters(AdaptiveSearchParameters):
         minimum=0.0,
         maximum=1.0,
     )
+    transforms: tuple[str, ...] = parameter(
+        ("tail",),
+        meaning="transforms of the objective, chosen among by leave-one-out; the first one to begin with",
+        source="own study: values far above all others, and they alone, are in the way of a smooth process",
+    )
     tree_search: bool = parameter(
         False, meaning="in problems with integers, enrich the candidates by branch and bound over the surrogate"
     )
