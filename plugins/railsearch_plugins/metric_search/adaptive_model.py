@@ -124,7 +124,7 @@ class AdaptiveModel:
             self.transform = max(names, key=lambda name: scores[name])
         if self._adaptation.length_scales:
             self._scales = self._moved_scales(points, TRANSFORMS[self.transform](values)(values))
-        self._adapted, self._made = len(points), 0
+        self._adapted = len(points)
 
     def _score(self, points: FloatArray, transformed: FloatArray) -> float:
         """ρ(T, T − e) over all points plus ρ over the better half."""
