@@ -36,7 +36,10 @@ class AdaptiveKrigingParameters(AdaptiveSearchParameters):
 
 
 class AdaptiveKrigingSearch(AdaptiveSearch):
-    """Expected improvement of a Gaussian process among perturbations of the incumbent of many sizes, with restarts."""
+    """Expected improvement of a Gaussian process among perturbations of the incumbent of many sizes, with restarts.
+
+    The process learns values of which those far above all others are compressed (`tail`).
+    """
 
     Parameters = AdaptiveKrigingParameters
     capabilities = Capabilities(integers=True, batch=True)
