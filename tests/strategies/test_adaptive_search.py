@@ -76,8 +76,8 @@ def test_only_values_far_above_all_others_are_compressed():
     assert transformed[6] == pytest.approx(3.0 + 60.0 * (1.0 + np.log((1e9 - 3.0) / 60.0)))
     slope = (tail(values[:5])(np.array([63.0 + 1e-6]))[0] - 63.0) / 1e-6
     assert slope == pytest.approx(1.0, abs=1e-4), "no kink where the compression begins"
-    constant = np.array([2.0, 2.0, 2.0, 9.0])
-    np.testing.assert_array_equal(tail(constant)(constant), constant)
+    for flat in (np.array([2.0, 2.0, 2.0, 9.0]), np.empty(0)):
+        np.testing.assert_array_equal(tail(flat)(flat), flat)
 
 
 @pytest.mark.parametrize(("best", "value", "deviation"), [(0.0, 1.0, 0.7), (0.0, -1.0, 0.3), (2.0, 2.0, 5.0)])

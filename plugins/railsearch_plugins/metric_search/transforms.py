@@ -47,8 +47,11 @@ def logarithm(values: FloatArray) -> Transform:
 def tail(values: FloatArray) -> Transform:
     """T = f up to m + u, m + u (1 + log((f − m)/u)) beyond: only values far above all others are compressed.
 
-    m and u stay those of the values for which it was made. f itself where half of the values or more are the least one.
+    m and u stay those of the values for which it was made. f itself where half of the values or more are the least one,
+    or where there is none.
     """
+    if not len(values):
+        return identity(values)
     median = float(np.median(values))
     reach = REACH * (median - float(np.min(values)))
 
