@@ -9,6 +9,7 @@ from optuna.trial import TrialState
 from railsearch.errors import StorageError
 from railsearch.interfaces import Evaluation
 from railsearch.storage import RunStorage, StudyDescription, identity_differences, open_run
+from railsearch.storage.note import note_attributes
 from sample_problems import MIXED, TwoObjectives
 
 IDENTITY = {"problem": "two", "seed": 1, "strategy": {"name": "random", "settings": {"a": (1.0, 2.0)}}}
@@ -80,6 +81,19 @@ def test_the_study_tells_the_dashboard_what_it_needs(tmp_path: Path) -> None:
     assert isinstance(first.params["count"], int)
     assert {"left", "right", "comfort", "origin", "trajectory", "duration [s]"} <= set(first.user_attrs)
     assert list(first.constraints.values()) == first.system_attrs["constraints"] == evaluations()[0].constraints.tolist()
+
+
+@pytest.mark.parametrize("length", [0, 1, 2045, 2046, 5000])
+@pytest.mark.parametrize("earlier", ["", "y" * 4091])
+def test_a_note_is_kept_as_the_dashboard_keeps_one(length: int, earlier: str) -> None:
+    storage = optuna.storages.InMemoryStorage()
+    study = optuna.create_study(storage=storage)
+    (number,) = (kept._study_id for kept in storage.get_all_studies())
+    optuna_dashboard.save_note(study, earlier)
+    ours = dict(storage.get_study_system_attrs(number))
+    ours |= note_attributes("x" * length, ours)
+    optuna_dashboard.save_note(study, "x" * length)
+    assert ours == storage.get_study_system_attrs(number)
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from contextlib import closing
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
@@ -21,7 +21,6 @@ from railsearch.campaign.identity import campaign_identity, campaign_of
 from railsearch.campaign.places import Places, places_here
 from railsearch.campaign.problems import make_problems
 from railsearch.campaign.reading import read_campaign
-from railsearch.campaign.recorded_runs import RecordedRuns, complete_runs
 from railsearch.campaign.results import CampaignResults
 from railsearch.campaign.tasks import TaskProgress, cell_tasks, check_recorded, evaluation_seconds, is_complete, recorded
 from railsearch.campaign.template import campaign_template
@@ -55,6 +54,9 @@ from railsearch.storage import (
     storage_url,
     without_password,
 )
+
+if TYPE_CHECKING:
+    from railsearch.campaign.recorded_runs import RecordedRuns
 
 CampaignFile = Annotated[
     Path, typer.Argument(metavar="FILE.toml", help="Campaign file; `railsearch init-campaign PROBLEM` writes one.")
@@ -131,7 +133,7 @@ def campaign(
     changes = directory.changes(document)
     stored = read_progress(url, f"{prepared.campaign.name}/")
     check_recorded(prepared.tasks, stored, without_password(url))
-    known = complete_runs(take or (), prepared.tasks, identity)
+    known = _taken(take, prepared, identity) if take else {}
     for change in changes.compatible:
         messages.print(f"changed: {change}")
     if take:
@@ -204,8 +206,14 @@ def _prepared(file: Path, skip_incapable: bool) -> _Prepared:
     return _Prepared(registry, defined, problems, refused, tasks)
 
 
+def _taken(paths: Sequence[Path], prepared: _Prepared, identity: Mapping[str, Any]) -> "dict[Cell, RecordedRuns]":
+    from railsearch.campaign.recorded_runs import complete_runs
+
+    return complete_runs(paths, prepared.tasks, identity)
+
+
 def _carried_out(
-    prepared: _Prepared, url: str, dask: str | None, workers: int, batch_workers: int, known: Mapping[Cell, RecordedRuns]
+    prepared: _Prepared, url: str, dask: str | None, workers: int, batch_workers: int, known: "Mapping[Cell, RecordedRuns]"
 ) -> str:
     """Carry the cells out; what could not be finished, in words."""
     patience = Patience(0.0 if is_file(url) else STORAGE_PATIENCE, messages.print)

@@ -26,6 +26,7 @@ from railsearch.space import Space
 from railsearch.storage.access import Patience, readable, writable
 from railsearch.storage.address import check_storage, is_file, without_password
 from railsearch.storage.claims import Claims
+from railsearch.storage.note import note_attributes
 from railsearch.storage.tables import CONSTRAINTS
 from railsearch.storage.writer import can_write, write_trial
 
@@ -208,7 +209,7 @@ class Storage:
             _check_identity(stored or {}, description, self._place)
         else:
             with writable(self._place, "No evaluations are"), self._lock:
-                self._patience.insist(lambda: _describe(study, description))
+                self._patience.insist(lambda: self._describe(study, description))
         return RunStorage(
             study,
             space,
@@ -228,6 +229,15 @@ class Storage:
                 raise StorageError(f"{self._place} holds no study '{description.name}'") from None
         directions = [StudyDirection.MINIMIZE] * len(description.objective_names)
         return optuna.create_study(storage=self._storage, study_name=description.name, directions=directions), False
+
+    def _describe(self, study: optuna.Study, description: StudyDescription) -> None:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)
+            study.set_metric_names(list(description.objective_names))
+        number = self._storage.get_study_id_from_name(description.name)
+        for key, value in note_attributes(description.note, self._storage.get_study_system_attrs(number)).items():
+            self._storage.set_study_system_attr(number, key, value)
+        study.set_user_attr(IDENTITY, plain(description.identity))
 
 
 def _backend(url: str) -> optuna.storages.RDBStorage:
@@ -288,16 +298,6 @@ def _check_identity(stored: Mapping[str, Any], description: StudyDescription, pl
             f"{place} holds another run under the name '{description.name}' ({shown}). Nothing was changed: "
             "use another folder or storage for this run, or repeat the command that made that one"
         )
-
-
-def _describe(study: optuna.Study, description: StudyDescription) -> None:
-    from optuna_dashboard import save_note
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)
-        study.set_metric_names(list(description.objective_names))
-    save_note(study, description.note)
-    study.set_user_attr(IDENTITY, plain(description.identity))
 
 
 def _distributions(space: Space) -> dict[str, BaseDistribution]:

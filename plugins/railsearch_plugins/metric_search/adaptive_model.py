@@ -21,7 +21,6 @@ from dataclasses import dataclass
 from typing import Protocol, cast
 
 import numpy as np
-from scipy.stats import rankdata
 
 from railsearch.errors import SurrogateError
 from railsearch.interfaces import Surrogate
@@ -135,7 +134,7 @@ class AdaptiveModel:
     def _moved_scales(self, points: FloatArray, transformed: FloatArray) -> FloatArray:
         """One pass over the variables."""
         dimension = points.shape[1]
-        ranks = rankdata(transformed, method="ordinal") - 1.0
+        ranks = _ranks(transformed, "ordinal") - 1.0
         weights = 1.0 / (1.0 + 4.0 * ranks / len(ranks))
         scales = self._scales if len(self._scales) else np.ones(dimension)
         least = _weighted_error(weights, self._residuals(points, transformed, scales))
@@ -170,8 +169,16 @@ def _weighted_error(weights: FloatArray, residuals: FloatArray) -> float:
     return float(np.sum(weights * residuals**2))
 
 
+def _ranks(values: FloatArray, ties: str = "average") -> FloatArray:
+    """The ranks of values from 1 on; scipy.stats takes half a second to import."""
+    from scipy.stats import rankdata
+
+    ranks: FloatArray = rankdata(values, method=ties)
+    return ranks
+
+
 def _rank_correlation(first: FloatArray, second: FloatArray) -> float:
     """Spearman's ρ; 0 where one of them is constant."""
-    ranks = [rankdata(values) - 0.5 * (len(values) + 1) for values in (first, second)]
+    ranks = [_ranks(values) - 0.5 * (len(values) + 1) for values in (first, second)]
     scale = float(np.sqrt(np.sum(ranks[0] ** 2) * np.sum(ranks[1] ** 2)))
     return float(ranks[0] @ ranks[1]) / scale if scale > 0.0 else 0.0
