@@ -2,8 +2,8 @@
 
     python benchmarks/campaign_scale.py [--repetitions 50] [--workers 2] [--out DIR]
 
-Two problems of five variables, random search under ten labels. Prints evaluations per second over the campaign, the size of
-the record, and the time of the whole report (reading, statistics, figures, page, table) from the storage.
+Two problems of five variables, random search under ten labels. Prints milliseconds per evaluation over the campaign, the
+size of the record, and the time of the whole report (reading, statistics, figures, page, table) from the storage.
 """
 
 import argparse

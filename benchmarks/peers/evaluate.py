@@ -72,7 +72,7 @@ def document(record: Gathered, known: Mapping[str, float], found: Found) -> dict
         "status": "complete" if all(c["complete"] == c["planned"] for c in record.campaigns) else "incomplete, provisional",
         "campaigns": record.campaigns,
         "versions": versions(),
-        "machine": {"processor": _processor(), "cores": os.cpu_count(), "system": platform.platform()},
+        "machine": {"processor": _processor(), "cores": os.cpu_count(), "system": platform.system()},
         "optima": dict(sorted(record.optima.items())),
         "best_known": dict(sorted(known.items())),
         "ended_early": [f"{_named(cell)}: {cell.ended}" for cell in record.cells if cell.ended],

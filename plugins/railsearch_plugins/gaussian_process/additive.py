@@ -38,7 +38,7 @@ JITTER = 1e-8
 """Added to the diagonal of r(t, t), which is nearly singular."""
 
 SHARE_DEVIATION = 1.5
-"""Standard deviation of logit w before the data: 0.13 to 0.88 about one half."""
+"""Standard deviation of logit w before the data: 0.18 to 0.82 about one half."""
 
 SHARE_BOUNDS = (0.001, 0.98)
 """Least and largest w."""

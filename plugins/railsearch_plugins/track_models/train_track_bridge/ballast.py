@@ -68,7 +68,10 @@ def ballast_cone(
 
 
 def ballast_values(parameters: TrainTrackBridgeParameters) -> tuple[float, float]:
-    """Vibrating mass in kg and stiffness in N/m of the ballast under a sleeper: of the cone, unless they are given."""
+    """Vibrating mass in kg and stiffness in N/m of the ballast under a sleeper: given, or of the cone of half a sleeper.
+
+    With `ballast_doubled` those of both halves. The cone is that of `ballast_cone`, whatever the sleeper spacing is.
+    """
     mass, stiffness = parameters.ballast_mass, parameters.ballast_stiffness
     if mass is None or stiffness is None:
         cone = ballast_cone(
