@@ -3,6 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from railsearch.errors import InputError, PluginError
+
 if TYPE_CHECKING:
     from pymoo.core.algorithm import Algorithm
 
@@ -30,6 +32,8 @@ def problem(
     from railsearch.plugin_manager import load_plugins
     from railsearch.problem_factory import ProblemSettings, make_problem
 
+    if isinstance(objectives, str):
+        raise InputError(f"objectives: a list of names is needed, received {objectives!r}")
     settings = ProblemSettings(name, tuple(objectives), sections or {}, scalariser, scalariser_settings or {})
     return make_problem(load_plugins(), settings)
 
@@ -49,6 +53,11 @@ def algorithm(
     from railsearch.plugin_manager import load_plugins
     from railsearch.pymoo_algorithm import StrategyAlgorithm
 
+    if not isinstance(strategy, str | type):
+        raise PluginError(
+            f"strategy: the name of one, or a class, is needed, received {strategy!r}; `railsearch.pymoo_strategy` makes a "
+            "class of a pymoo algorithm"
+        )
     registry, name = load_plugins(), strategy if isinstance(strategy, str) else strategy.__name__
     if not isinstance(strategy, str):
         registry = registry.extended("strategy", name, strategy)

@@ -16,8 +16,8 @@ from railsearch.space import FloatArray
 SEED = 0
 """What a regressor's `random_state` is set to where it is not given, so that runs can be repeated."""
 
-TRIAL_POINTS = 20
-"""A regressor is tried out on so many points before a search begins."""
+FEWEST_TRIAL_POINTS = 20
+"""A regressor is tried out on so many points before a search begins, or 2(d + 1): as many as most searches begin with."""
 
 
 class EstimatorSurrogate:
@@ -160,13 +160,13 @@ def _configure(regressor: Any, name: str, settings: Mapping[str, object]) -> Non
 
 
 def _try_out(regressor: Any, name: str, dimension: int) -> None:
-    """Fit a copy to a few points: a regressor checks its settings no earlier."""
+    """Fit a copy to a few points and predict: a regressor checks its settings no earlier."""
     from sklearn.base import clone
 
-    points = np.random.default_rng(SEED).random((TRIAL_POINTS, dimension))
+    points = np.random.default_rng(SEED).random((max(FEWEST_TRIAL_POINTS, 2 * (dimension + 1)), dimension))
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            clone(regressor).fit(points, points.sum(axis=1))
+            clone(regressor).fit(points, points.sum(axis=1)).predict(points)
     except Exception as error:
-        raise InputError(f"surrogate {name}: its settings do not work: {error}") from error
+        raise InputError(f"surrogate {name}: its settings do not work with {len(points)} points: {error}") from error

@@ -1,6 +1,6 @@
 """Values by quantity: as users write them, with their natural sign, and as they are minimised."""
 
-import math
+import sys
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -48,5 +48,5 @@ def weights_by_name(values: Mapping[str, Any] | None, names: Sequence[str], wher
 
 def check_finite(value: object, field: str) -> None:
     """Raise InputError for anything but a finite number."""
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= sys.float_info.max:
         raise InputError(f"{field}: a finite number is needed, received {value!r}")

@@ -119,13 +119,20 @@ def allowed_values(meta: Mapping[str, Any]) -> str:
 
 
 def nested(assignments: Mapping[str, object]) -> dict[str, Any]:
-    """Turn dotted names into nested tables: {'rail.area': 1} becomes {'rail': {'area': 1}}."""
+    """Turn dotted names into nested tables: {'rail.area': 1} becomes {'rail': {'area': 1}}.
+
+    Raises InputError for a name that is both a value and a table.
+    """
     tree: dict[str, Any] = {}
     for name, value in assignments.items():
         *groups, leaf = name.split(".")
         branch = tree
         for group in groups:
             branch = branch.setdefault(group, {})
+            if not isinstance(branch, dict):
+                raise InputError(
+                    f"{name}: {group} has been given the value {branch!r}, so nothing can be set in it; leave one out"
+                )
         branch[leaf] = value
     return tree
 
@@ -229,8 +236,15 @@ def _inside(number: float, meta: Mapping[str, Any]) -> bool:
 def _in_words(kind: object) -> str:
     names = {int: "an integer", float: "a number", str: "a string", bool: "true or false"}
     if typing.get_origin(kind) is tuple:
-        return "a list"
+        return f"a list of {_many_in_words(typing.get_args(kind)[0])}"
     return names.get(cast(type, kind), "a table")
+
+
+def _many_in_words(kind: object) -> str:
+    names = {int: "integers", float: "numbers", str: "strings", bool: "true or false"}
+    if typing.get_origin(kind) is tuple:
+        return f"lists of {_many_in_words(typing.get_args(kind)[0])}"
+    return names.get(cast(type, kind), "tables")
 
 
 def did_you_mean(name: str, known: Sequence[str]) -> str:

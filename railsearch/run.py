@@ -171,7 +171,7 @@ def make_strategy(registry: Registry, problem: DesignProblem, settings: RunSetti
         n_objectives=problem.n_obj,
         n_constraints=problem.n_ieq_constr,
         budget=settings.budget,
-        batch_size=settings.batch_size,
+        batch_size=min(settings.batch_size, settings.budget),
         generator=generators.strategy,
         initial_generator=generators.initial,
         surrogate=functools.partial(_surrogate, registry, problem.space.dimension),
@@ -199,7 +199,7 @@ def check_capabilities(
     remedy = f"use a strategy that can ({_listed(able)})"
     if problem.n_obj > 1 and not capabilities.multi_objective:
         scalarisers = [entry.name for entry in registry.entries("scalariser")]
-        remedy = f"choose one of them, scalarise them ({_listed(scalarisers)}), or {remedy}"
+        remedy = f"choose one of them if the problem lets you, scalarise them ({_listed(scalarisers)}), or {remedy}"
     raise CapabilityError(f"strategy {name} {reason}: {remedy}")
 
 

@@ -170,6 +170,8 @@ def writing(place: Path) -> Iterator[None]:
     """Turn a failure to write into a StorageError that says what to do."""
     try:
         yield
+    except (FileExistsError, NotADirectoryError) as error:
+        raise StorageError(f"{place}: a folder is needed, and there is a file; give another place") from error
     except OSError as error:
         raise StorageError(
             f"{place} cannot be written: {error.strerror or error}. Make space or use a place that you may write to, then "

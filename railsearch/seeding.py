@@ -4,6 +4,7 @@ import hashlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -19,12 +20,12 @@ class RunGenerators:
     unseen: np.random.Generator
 
 
-def checked_seed(seed: int | None) -> int:
+def checked_seed(seed: int | None, field: str = "seed") -> int:
     """The seed itself, or a drawn one for None, to be recorded. Raises InputError for anything but an integer ≥ 0."""
     if seed is None:
         return int(np.random.SeedSequence().generate_state(1)[0])
     if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
-        raise InputError(f"seed: an integer ≥ 0 is needed, received {seed!r}")
+        raise InputError(f"{field}: an integer ≥ 0 is needed, received {seed!r}")
     return int(seed)
 
 
@@ -62,19 +63,27 @@ def _derived(seed: int, *words: str | int) -> int:
 class LentGlobalGenerator:
     """numpy's global generator, lent to a library that draws from it without asking for one.
 
-    Inside `lent` it has a state that follows from the seed and from what was drawn inside before; outside, nothing changes.
+    Inside `lent` it has a state that follows from the seed and from what was drawn inside before, and so have generators
+    that are made there without a seed; outside, nothing changes.
     """
 
     def __init__(self, seed: int) -> None:
         self._state = np.random.RandomState(seed).get_state()
+        self._seeds = np.random.SeedSequence(seed)
+        self._made = np.random.default_rng
 
     @contextmanager
     def lent(self) -> Iterator[None]:
         """The global generator in the state that belongs to the library."""
-        before = np.random.get_state()  # noqa: NPY002
+        before, made = np.random.get_state(), np.random.default_rng  # noqa: NPY002
         np.random.set_state(self._state)  # noqa: NPY002
+        np.random.default_rng = self._generator
         try:
             yield
         finally:
             self._state = np.random.get_state()  # noqa: NPY002
             np.random.set_state(before)  # noqa: NPY002
+            np.random.default_rng = made
+
+    def _generator(self, seed: Any = None) -> np.random.Generator:
+        return self._made(self._seeds.spawn(1)[0] if seed is None else seed)

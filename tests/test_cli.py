@@ -120,13 +120,15 @@ def test_bad_input_ends_with_code_2_and_names_field_and_value(
         (("--scalarise", "asf", "--objectives", "F_max"), ("two objectives",)),
         (("--objectives", "F_max", "--set", "sigma=1"), ("strategy dycors", "'sigma'")),
         (("--objectives", "F_max", "--seed", "-3"), ("seed", "-3")),
+        (("--objectives", "F_max", "--initial-seed", "-4"), ("initial-seed: an integer", "-4")),
+        (("--objectives", "F_max", "--strategy", "cmaes", "--set", "population_size=1000000000"), ("cmaes needs at least",)),
         (("--objectives", "F_max", "--timeout", "0"), ("timeout", "0")),
         (("--objectives", "F_max", "--batch", "0"), ("batch", "0")),
         (("--objectives", "F_max", "--set", "rail.area=1"), ("rail.area", "--parameters", "railsearch init level-crossing")),
         (("--objectives", "F_max", "--set", "speed=1"), ("'speed'", "--parameters", "railsearch init level-crossing")),
         (("--scalarise", "nope", "--objectives", "F_max"), ("unknown scalariser 'nope'",)),
         (("--objectives", "F_max", "--storage", "nonsense"), ("--storage", "nonsense")),
-        (("--objectives", "F_max", "--out", "/dev/null/run"), ("cannot be written", "Not a directory")),
+        (("--objectives", "F_max", "--out", "/dev/null/run"), ("/dev/null", "a folder is needed, and there is a file")),
     ],
 )
 def test_a_bad_run_is_refused_before_anything_is_evaluated(

@@ -120,13 +120,19 @@ def test_names_that_lead_nowhere(name, message):
     ("settings", "message"),
     [
         ({"trees": 5}, r"surrogate .*RandomForestRegressor: unknown setting 'trees'; allowed are bootstrap, .*n_estimators"),
-        ({"n_estimators": -5}, "its settings do not work: The 'n_estimators' parameter .* must be an int"),
-        ({"n_estimators": "many"}, "its settings do not work: The 'n_estimators' parameter"),
+        ({"n_estimators": -5}, "its settings do not work with 20 points: The 'n_estimators' parameter .* must be an int"),
+        ({"n_estimators": "many"}, "its settings do not work with 20 points: The 'n_estimators' parameter"),
     ],
 )
 def test_settings_are_checked_before_a_search_begins(settings, message):
     with pytest.raises(InputError, match=message):
         load_plugins().surrogate(FOREST, 3, settings)
+
+
+def test_what_a_regressor_finds_out_when_it_predicts_is_found_before_a_search_begins():
+    with pytest.raises(InputError, match="its settings do not work with 22 points: Expected n_neighbors <= n_samples_fit"):
+        load_plugins().surrogate("sklearn.neighbors.KNeighborsRegressor", 10, {"n_neighbors": 23})
+    assert load_plugins().surrogate("sklearn.neighbors.KNeighborsRegressor", 10, {"n_neighbors": 22})
 
 
 def test_bad_data_are_refused():

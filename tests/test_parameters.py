@@ -74,6 +74,12 @@ def test_dotted_names_become_tables() -> None:
     assert nested({"a.b": 1, "a.c.d": 2, "e": 3}) == {"a": {"b": 1, "c": {"d": 2}}, "e": 3}
 
 
+@pytest.mark.parametrize("names", [("a", "a.b"), ("a.b", "a.b.c.d")])
+def test_a_value_that_is_given_as_a_table_too_is_refused(names: tuple[str, ...]) -> None:
+    with pytest.raises(InputError, match=rf"{names[1]}: \w has been given the value 1, so nothing can be set in it"):
+        nested(dict.fromkeys(names, 1))
+
+
 def test_all_faults_are_named_at_once() -> None:
     values = {"pad": {"stifness": 3, "rows": -1}, "name": "C", "colour": "red"}
     with pytest.raises(InputError) as caught:

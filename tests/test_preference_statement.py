@@ -173,7 +173,10 @@ def test_names_may_be_written_with_underscores():
             "E_max: monotone-spline: scores must rise or fall with the value all the way, received 100 at 0.1, 20 at 0.2",
         ),
         ({"E_max": {"function": "piecewise-linear", "points": [[0.1, 100]]}}, "E_max: piecewise-linear: two points"),
-        ({"E_max": {"function": "piecewise-linear", "points": 3}}, "E_max.points: a list is needed, received 3"),
+        (
+            {"E_max": {"function": "piecewise-linear", "points": 3}},
+            "E_max.points: a list of lists of numbers is needed",
+        ),
     ],
 )
 def test_a_bad_preference_is_refused_by_field_and_value(change, message):

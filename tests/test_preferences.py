@@ -239,6 +239,15 @@ def test_class_functions_in_both_directions():
             lambda: PhysicalProgramming(LIMITS, growth=1.01),
             "growth: the class function is not convex with these limits and 1.01",
         ),
+        (
+            lambda: PhysicalProgramming((0.1, 0.2, 0.3, 0.4, 1e99)),
+            "growth: at most 1e+12 is needed for scores that",
+        ),
+        (lambda: PhysicalProgramming((0.0, 1e-80, 1.0, 2.0, 3.0)), "received these limits; bring the limits nearer"),
+        (
+            lambda: PhysicalProgramming(LIMITS, growth=1e100),
+            "received 1e+100; bring the limits nearer to even",
+        ),
     ],
 )
 def test_bad_functions_are_refused(make, message):

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from pymoo.algorithms.soo.nonconvex.ga import GA
 from pymoo.core.problem import Problem
 from pymoo.core.variable import Integer, Real
 from pymoo.optimize import minimize
@@ -102,6 +103,9 @@ def test_values_that_are_not_finite_are_told_as_failures():
 def test_what_cannot_be_done_is_refused():
     with pytest.raises(PluginError, match="unknown strategy 'dycor'"):
         railsearch.algorithm("dycor", 30)
+    for strange in (GA(), None, ["ga"]):
+        with pytest.raises(PluginError, match="the name of one, or a class, is needed, received"):
+            railsearch.algorithm(strange, 30)
     with pytest.raises(InputError, match="at least 20"):
         minimize(Sphere(), railsearch.algorithm("dycors", 19), seed=1)
     with pytest.raises(CapabilityError, match=r"2 \(left, right\)"):

@@ -11,6 +11,7 @@ from pymoo.algorithms.soo.nonconvex.cmaes import CMAES
 from pymoo.algorithms.soo.nonconvex.es import ES
 from pymoo.algorithms.soo.nonconvex.ga import GA
 from pymoo.algorithms.soo.nonconvex.nelder import NelderMead
+from pymoo.algorithms.soo.nonconvex.pattern import PatternSearch
 from pymoo.core.mixed import MixedVariableGA
 from pymoo.core.problem import Problem
 from pymoo.optimize import minimize
@@ -101,6 +102,13 @@ def test_a_local_search_that_has_converged_starts_again_elsewhere():
     evaluations = run_trial(railsearch.pymoo_strategy(algorithm), Trial(REAL, budget=500), objective=bowls(1))
     assert evaluations[-1].trajectory > 0
     assert min(e.objectives[0] for e in evaluations) < 1e-4
+
+
+def test_what_an_algorithm_draws_without_a_seed_follows_from_that_of_the_run():
+    strategy = railsearch.pymoo_strategy(PatternSearch())
+    first, second = (run_trial(strategy, Trial(REAL, budget=40, seed=3), objective=bowls(1)) for _ in range(2))
+    np.testing.assert_array_equal(*([evaluation.design for evaluation in run] for run in (first, second)))
+    assert np.random.default_rng(5).random() == np.random.Generator(np.random.PCG64(5)).random()
 
 
 def test_what_cannot_be_made_a_strategy_is_refused():

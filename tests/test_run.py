@@ -125,7 +125,10 @@ def test_a_refusal_names_the_scalarisers_and_the_strategies_that_would_do(regist
     with pytest.raises(CapabilityError) as caught:
         run_search(registry, TwoObjectives(constrained=True), RunSettings("dycors", 30, 0))
     scalarisers = ", ".join(entry.name for entry in registry.entries("scalariser"))
-    assert f"choose one of them, scalarise them ({scalarisers}), or use a strategy that can (" in str(caught.value)
+    assert (
+        f"choose one of them if the problem lets you, scalarise them ({scalarisers}), or use a strategy that can ("
+        in str(caught.value)
+    )
     capabilities = {entry.name: entry.plugin.capabilities for entry in registry.entries("strategy")}
     able = [name for name, can in capabilities.items() if can.multi_objective and can.integers and can.constraints]
     assert "nsga2" in able
@@ -145,6 +148,11 @@ def test_a_budget_is_a_positive_integer(budget: int) -> None:
 def test_a_time_limit_is_positive(timeout: float) -> None:
     with pytest.raises(InputError, match="timeout: a positive number"):
         RunSettings("random", 5, 0, timeout=timeout)
+
+
+def test_a_batch_is_no_larger_than_the_budget(registry: Registry) -> None:
+    result = run_search(registry, Sphere(), RunSettings("random", 7, 1, batch_size=10**9))
+    assert len(result.evaluations) == 7
 
 
 def test_batches_are_proposed_and_the_budget_is_still_exact(registry: Registry) -> None:

@@ -122,6 +122,7 @@ def test_preparing_a_copy_leaves_the_original_unprepared():
             None,
             "asf.worst: unknown objective 'A_max', did you mean 'F_max'?; the",
         ),
+        ({"aspiration": {"F_max": 10**400}}, None, "asf.aspiration.F_max: a finite number is needed, received 1000"),
         ({"aspiration": {"F_max": "low"}}, None, "asf.aspiration.F_max: a finite number is needed, received 'low'"),
         (
             {"aspiration": {"F_max": 7000.0}},

@@ -180,7 +180,12 @@ def _worst(problem: PymooProblem) -> dict[str, float]:
     designs = random_designs(problem.space, WORST_OF, np.random.default_rng(0))
     front = problem.pareto_front()
     values = np.vstack([problem.evaluate(designs, return_values_of=["F"]), *([] if front is None else [front])])
-    worst = values[np.isfinite(values).all(axis=1)].max(axis=0)
+    finite = np.isfinite(values).all(axis=1)
+    if not finite.any():
+        raise InputError(
+            f"{SECTION}: {type(problem.inner).__name__} of pymoo has no finite values with these arguments; choose others"
+        )
+    worst = values[finite].max(axis=0)
     return {objective.name: float(f"{value:.3g}") for objective, value in zip(problem.objectives, worst, strict=True)}
 
 

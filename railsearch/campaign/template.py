@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from railsearch.campaign.capability import refusals
 from railsearch.campaign.cells import Campaign, CampaignProblem, CampaignStrategy
 from railsearch.design_problem import DesignProblem
+from railsearch.errors import InputError
 from railsearch.plugin_manager import Registry
 from railsearch.problem_factory import ProblemSettings, make_problem
 
@@ -15,12 +16,21 @@ BUDGET, REPETITIONS, SEED = 200, 15, 1
 def campaign_template(registry: Registry, name: str) -> str:
     """A campaign file for a problem's first objective and all strategies that can search it, everything else commented.
 
+    Where objectives cannot be chosen, for all of them.
     Raises PluginError for an unknown problem.
     """
-    objective = make_problem(registry, ProblemSettings(name)).objectives[0].name
-    settings = ProblemSettings(name, (objective,))
-    problem = make_problem(registry, settings)
+    settings, problem = _searched(registry, name)
     return "\n".join((*_campaign_lines(_capable(registry, settings, problem)), *_entry_lines(problem))) + "\n"
+
+
+def _searched(registry: Registry, name: str) -> tuple[ProblemSettings, DesignProblem]:
+    whole = ProblemSettings(name)
+    problem = make_problem(registry, whole)
+    first = ProblemSettings(name, (problem.objectives[0].name,))
+    try:
+        return first, make_problem(registry, first)
+    except InputError:
+        return whole, problem
 
 
 def _capable(registry: Registry, settings: ProblemSettings, problem: DesignProblem) -> list[str]:

@@ -97,7 +97,7 @@ def assignments(texts: Sequence[str] | None, option: str = "--set") -> dict[str,
             raise InputError(f"{option}: NAME=VALUE is needed, received {text!r}")
         try:
             parsed[name.strip()] = tomllib.loads(f"value = {value}")["value"]
-        except tomllib.TOMLDecodeError:
+        except (ValueError, RecursionError):
             parsed[name.strip()] = value.strip()
     return parsed
 

@@ -106,7 +106,7 @@ def run(
         _strategy_settings(registry, asked, strategy, assigned),
         batch,
         timeout,
-        None if initial_seed is None else checked_seed(initial_seed),
+        None if initial_seed is None else checked_seed(initial_seed, "initial-seed"),
         workers,
     )
     given = given_designs(asked.problem, asked.site.given)

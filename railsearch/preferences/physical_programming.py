@@ -25,6 +25,7 @@ mean of such scores ranks designs as that of class functions does, which is what
 """
 
 import dataclasses
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -37,6 +38,8 @@ from railsearch.preferences.functions import EXTENDED, FULL_SCORE, Liking
 from railsearch.space import FloatArray
 
 RANGES = ("highly desirable", "desirable", "tolerable", "undesirable", "highly undesirable", "unacceptable")
+LARGEST_GROWTH = 1e12
+"""With a larger growth every range but the last costs less than a score can show."""
 N_LIMITS = 5
 CURVATURE = 0.1
 GROWTH_STEP = 1.1
@@ -70,6 +73,12 @@ class PhysicalProgramming:
                 f"{self.function}: the first lower limit must not lie above the first upper one, received "
                 f"{self.lower[0]:g} and {self.upper[0]:g}"
             )
+        if (self.growth or self.least_growth) > LARGEST_GROWTH:
+            received = "these limits" if self.growth is None else f"{self.growth:g}"
+            raise InputError(
+                f"{self.function}: growth: at most {LARGEST_GROWTH:g} is needed for scores that can be told apart, received "
+                f"{received}; bring the limits nearer to even distances, or leave growth out"
+            )
         if self.growth is not None and not _convex(self._sides(), self.growth):
             raise InputError(
                 f"{self.function}: growth: the class function is not convex with these limits and {self.growth:g}; leave "
@@ -88,10 +97,12 @@ class PhysicalProgramming:
 
     @property
     def least_growth(self) -> float:
-        """The least power of 1.1 above 1 as growth for which the class function is convex."""
+        """The least power of 1.1 above 1 as growth for which the class function is convex; ∞ beyond LARGEST_GROWTH."""
         growth = GROWTH_STEP
         while not _convex(self._sides(), growth):
             growth *= GROWTH_STEP
+            if growth > LARGEST_GROWTH:
+                return math.inf
         return growth
 
     @property

@@ -136,17 +136,20 @@ def test_what_is_left_out_has_the_stated_default(load: Load) -> None:
     assert campaign.strategies == (CampaignStrategy("random", "random", {}),)
 
 
-@pytest.mark.parametrize("name", ["level-crossing", "sphere"])
+@pytest.mark.parametrize("name", ["level-crossing", "sphere", "two-spheres"])
 def test_the_template_is_a_campaign_as_it_stands_and_with_all_its_comments(
     load: Load, registry: Registry, tmp_path: Path, name: str
 ) -> None:
     text = campaign_template(registry, name)
     campaign = load(text)
-    assert {entry.name for entry in campaign.strategies} >= {"dycors", "lmsrs", "random"}
+    several = name == "two-spheres"
+    assert {entry.name for entry in campaign.strategies} >= (
+        {"nsga2", "random"} if several else {"dycors", "lmsrs", "random"}
+    )
     assert "narrow" in {entry.name for entry in campaign.strategies} if name == "sphere" else True
     problems = make_problems(registry, campaign)
     assert refusals(registry, campaign, problems) == []
-    assert [problem.n_obj for problem in problems.values()] == [1]
+    assert [problem.n_obj for problem in problems.values()] == [1 + several]
     (tmp_path / "my-site.toml").write_text(site_template(registry, name), encoding="utf-8")
     in_full = re.sub(r"^# (?=\[\[|\w+ = )", "", text, flags=re.MULTILINE)
     single = "\n".join(line for line in in_full.splitlines() if not line.startswith(("scalari", "preferences")))
@@ -273,7 +276,10 @@ def test_a_value_that_is_not_allowed_is_named_with_its_place(load: Load, line: s
             ("given design 2: unknown variable 'xr9'"),
         ),
         ('[[problem]]\nname = "level-crossing"\ngiven = [{xn = 1.5}]', ("given design 1: variable xn: a whole number")),
-        ('[[problem]]\nname = "level-crossing"\ngiven = {xn = 1}', ("problem level-crossing.given: a list is needed")),
+        (
+            '[[problem]]\nname = "level-crossing"\ngiven = {xn = 1}',
+            ("level-crossing.given: a list of tables is needed"),
+        ),
         ('[[problem]]\nname = "level-crossing"\nobjektives = []', ("'objektives'", "did you mean 'objectives'")),
         ('[[problem]]\nlabel = "nameless"', ("problem nameless", "unknown problem ''")),
         ('[[problem]]\nname = "level-crossing"\nlabel = "Sphere"', ("differing in case alone ('sphere')")),
@@ -285,7 +291,7 @@ def test_a_value_that_is_not_allowed_is_named_with_its_place(load: Load, line: s
         ),
         ('[[strategy]]\nname = "dycors"\nsettings = {sigma = 1}', ("strategy dycors", "unknown parameter 'sigma'")),
         ('[[strategy]]\nname = "dycors"\nsetings = {}', ("strategy dycors", "did you mean 'settings'")),
-        ("[strategy.dycors]\nsigma_start = 0.3", ("campaign file.strategy", "a list is needed")),
+        ("[strategy.dycors]\nsigma_start = 0.3", ("campaign file.strategy", "a list of tables is needed")),
         ("[[problems]]\n", ("'problems'", "did you mean 'problem'")),
     ],
 )
@@ -319,7 +325,7 @@ def test_a_file_that_cannot_be_read_is_named(registry: Registry, load: Load, tmp
     with pytest.raises(InputError, match=r"absent\.toml: cannot be read"):
         load_campaign(registry, tmp_path / "absent.toml")
     assert "(at line 2, column 10)" in refused(load, "[campaign]\nbudget = \n")
-    assert "campaign file.problem: a list is needed" in refused(load, 'problem = "level-crossing"\n')
+    assert "campaign file.problem: a list of tables is needed" in refused(load, 'problem = "level-crossing"\n')
 
 
 def test_hypervolume_is_measured_from_given_values_completed_by_the_worst_known(load: Load) -> None:

@@ -309,7 +309,7 @@ def test_designs_that_are_not_allowed_are_refused(name: str, place: int, wrong: 
             "integers: a number up to that of the variables or 'half' is needed, received 'all'",
         ),
         ("ackley", {"integers": -1}, "function.integers: allowed is ≥ 0, received -1"),
-        ("sphere", {"dimension": 1}, "function.dimension: allowed is ≥ 2, received 1"),
+        ("sphere", {"dimension": 1}, "function.dimension: allowed is ≥ 2 and ≤ 10000, received 1"),
         ("sphere", {"shift": 0.9}, "function.shift: allowed is ≥ 0 and ≤ 0.8, received 0.9"),
         ("sphere", {"shift_seed": -1}, "function.shift_seed: allowed is ≥ 0, received -1"),
         ("sphere", {"computing": 1}, "function.computing: true or false is needed"),

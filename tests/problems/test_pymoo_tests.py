@@ -178,6 +178,7 @@ def test_names_that_are_unknown_or_need_more_are_refused(name: str, message: str
         ("zdt1", {"n_var": 2.5}, "parameters.pymoo.n_var: an integer is needed"),
         ("zdt1", {"n_var": 0}, "pymoo: ZDT1 of pymoo cannot take {'n_var': 0}"),
         ("wfg1", {"n_obj": 20}, "pymoo: WFG1 of pymoo cannot take"),
+        ("wfg4", {"n_var": 3, "n_obj": 3, "k": 4}, "pymoo: WFG4 of pymoo has no finite values"),
         ("dascmop1", {"difficulty": 99}, "DASCMOP1 of pymoo cannot take {'difficulty': 99}"),
         ("multiobjectiveknapsack", {}, "cannot evaluate it: TypeError: .*missing"),
     ],

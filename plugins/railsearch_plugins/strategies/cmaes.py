@@ -163,6 +163,12 @@ class CovarianceMatrixAdaptation(GenerationalStrategy):
 
     def __init__(self, context: SearchContext, parameters: CovarianceParameters) -> None:
         super().__init__(context, CovarianceGenerations(context, parameters))
+        self._first = max(parameters.initial_size or 1, parameters.population_size or 1)
+
+    @property
+    def minimum_budget(self) -> int:
+        """The initial design, or the population where it is larger, as far as they are given."""
+        return self._first
 
 
 def ranked_values(objective: FloatArray, constraints: FloatArray) -> FloatArray:

@@ -37,7 +37,7 @@ FRONT_POINTS = 201
 class FunctionParameters:
     """What can be chosen of an analytic problem."""
 
-    dimension: int = parameter(10, meaning="variables", minimum=2)
+    dimension: int = parameter(10, meaning="variables", minimum=2, maximum=10_000)
     integers: int | str = parameter(
         0, meaning='how many of them, the last ones, take whole numbers only; "half" for half of them', minimum=0
     )
