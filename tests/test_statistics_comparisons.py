@@ -82,23 +82,39 @@ def test_p_value_is_that_of_the_tables(second: list[float], arrangements: int) -
     assert comparison.p_values[0, 1] == pytest.approx(2.0 * arrangements / 252.0)
 
 
-def test_p_value_without_ties_counts_all_arrangements() -> None:
-    generator = np.random.default_rng(3)
-    values = generator.permutation(9).astype(float)
-    a, b = values[:4], values[4:]
-    sums = np.array([sum(chosen) for chosen in combinations(values, 4)])
-    extreme = np.mean(np.abs(sums - sums.mean()) >= abs(a.sum() - sums.mean()) - 1e-12)
-    assert pairwise_comparison([a, b]).p_values[0, 1] == pytest.approx(extreme)
+@given(SAMPLE.filter(lambda sample: len(sample) <= 6), SAMPLE.filter(lambda sample: len(sample) <= 6))
+def test_p_value_counts_all_arrangements_of_the_ranks_with_their_ties(a: list[float], b: list[float]) -> None:
+    ranks = stats.rankdata(a + b)
+    sums = np.array([sum(chosen) for chosen in combinations(ranks, len(a))])
+    middle = len(a) * (len(a) + len(b) + 1) / 2.0
+    extreme = np.mean(np.abs(sums - middle) >= abs(ranks[: len(a)].sum() - middle) - 1e-9)
+    assert pairwise_comparison([a, b]).p_values[0, 1] == pytest.approx(extreme, rel=1e-12)
 
 
-def test_p_value_with_ties_is_the_corrected_normal_one() -> None:
+@pytest.mark.parametrize("size", [3, 20, 50])
+def test_p_value_without_ties_is_scipys(size: int) -> None:
+    values = np.random.default_rng(size).normal(size=size + 50)
+    a, b = values[:size] + 0.3, values[size:]
+    expected = stats.mannwhitneyu(a, b, method="exact").pvalue
+    assert pairwise_comparison([a, b]).p_values[0, 1] == pytest.approx(expected, rel=1e-9)
+
+
+def test_ties_within_a_strategy_do_not_blur_its_distance_from_another() -> None:
+    """The smallest p-value there is, 2/C(16, 8), whether the worse runs ended on one value or on eight."""
+    best = np.arange(8.0)
+    for worst in (np.full(8, INF), np.full(8, 10.0), np.arange(10.0, 18.0)):
+        assert pairwise_comparison([best, worst]).p_values[0, 1] == pytest.approx(2.0 / 12870.0, rel=1e-12)
+
+
+def test_p_value_of_many_runs_is_the_corrected_normal_one() -> None:
     """z = (|U − ab/2| − 1/2)/σ, σ² = ab/12 (n + 1 − Σ(t³ − t)/(n(n − 1))) (Hollander and Wolfe 1999, section 4.1)."""
-    a, b = [1.0, 1.0, 2.0, 3.0, 3.0, 4.0], [2.0, 3.0, 4.0, 5.0, INF, INF, INF]
+    generator = np.random.default_rng(5)
+    a, b = (list(np.where(values > 8.0, INF, values)) for values in (generator.poisson(4.0, 51), generator.poisson(5.0, 40)))
     won = sum(float(x > y) + 0.5 * float(x == y) for x in a for y in b)
     ties = sum(t**3 - t for t in np.unique(a + b, return_counts=True)[1])
-    n = 13
-    deviation = np.sqrt(42.0 / 12.0 * (n + 1.0 - ties / (n * (n - 1.0))))
-    expected = 2.0 * stats.norm.sf((abs(won - 21.0) - 0.5) / deviation)
+    n = 91
+    deviation = np.sqrt(51.0 * 40.0 / 12.0 * (n + 1.0 - ties / (n * (n - 1.0))))
+    expected = 2.0 * stats.norm.sf((abs(won - 1020.0) - 0.5) / deviation)
     assert pairwise_comparison([a, b]).p_values[0, 1] == pytest.approx(expected)
 
 

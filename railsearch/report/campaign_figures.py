@@ -36,7 +36,8 @@ MARKS = 7
 BANDS_SHOWN = 3
 FEW = 4
 LABEL_GAP = 0.062
-LABEL_LENGTH = 16
+LABEL_LENGTH = 24
+MOST_RANK_TICKS = 12
 
 
 def campaign_figures(document: Entry, bands: Sequence[str] = ("quartiles",)) -> dict[str, Figure]:
@@ -313,7 +314,8 @@ def _rank_axis(axes: Axes, ranking: Entry, depth: float) -> None:
         axes.plot([1.0, 1.0 + difference], [-1.6, -1.6], color=INK, lw=1.2, marker="|", markersize=7)
         axes.annotate(f"CD = {difference:.2f}", (1.0 + difference, -1.6), (6, 0), textcoords="offset points", va="center")
     axes.xaxis.tick_top()
-    axes.set_xticks(range(1, count + 1))
+    axes.set_xticks(range(1, count + 1), minor=True)
+    axes.set_xticks(range(1, count + 1, 1 + (count - 1) // MOST_RANK_TICKS))
     axes.spines[["left", "right", "bottom"]].set_visible(False)
     axes.spines["top"].set_position(("data", 0.0))
     axes.yaxis.set_visible(False)

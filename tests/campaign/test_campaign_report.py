@@ -1,11 +1,13 @@
 import json
 import re
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from sample_campaigns import Searcher, results_of, synthetic_results
 
 from html_page import Page
@@ -216,6 +218,26 @@ def test_ranks_are_drawn_where_they_are_with_bars_over_equals() -> None:
     assert [tuple(np.round(lines[f"group-{row}"].get_xdata(), 2)) for row in range(2)] == [(1.22, 2.03), (1.97, 2.78)]
     texts = [text.get_text() for text in figure.axes[0].texts]
     assert texts == ["b  1.25", "a  2.00", "2.75  c", "CD = 1.35"]
+
+
+@pytest.mark.parametrize("count", [2, 12, 13, 20, 40])
+def test_the_numbers_of_many_ranks_do_not_overlap(count: int) -> None:
+    names = [f"strategy-{place}" for place in range(count)]
+    ranking = {
+        "strategies": names,
+        "problems": ["p"],
+        "mean_ranks": list(range(1, count + 1)),
+        "groups": [],
+        "critical_difference": count,
+        "level": 0.05,
+        "p_value": 0.03,
+    }
+    figure = ranks_figure(ranking, {name: place for place, name in enumerate(names)})
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    edges = [label.get_window_extent(canvas.get_renderer()) for label in figure.axes[0].get_xticklabels()]
+    assert count > 12 or len(edges) == count, "few ranks all have their number"
+    assert all(left.x1 + 2.0 < right.x0 for left, right in pairwise(edges))
 
 
 def test_surfaces_are_staircases_through_their_corners() -> None:
