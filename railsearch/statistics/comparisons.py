@@ -91,10 +91,11 @@ def vargha_delaney(a: ArrayLike, b: ArrayLike) -> float:
 def pairwise_comparison(samples: Sequence[ArrayLike]) -> PairwiseComparison:
     """Compare the final values (r_i,) of k strategies on one problem, every pair with every other.
 
-    Two-sided Wilcoxon rank-sum test (Mann-Whitney), p = P(|W − E W| ≥ |w − E W|) for the sum w of the ranks of one strategy, tied
-    values having their mean rank. Up to 50 runs each it counts all arrangements of the ranks as they are, ties included, so that
-    tied runs of one strategy do not blur how far it is from another; beyond, it is normal with corrections for ties
-    and continuity. p = 1 if all values of a pair are equal. Holm's adjustment is over all k(k − 1)/2 pairs.
+    Two-sided Wilcoxon rank-sum test (Mann-Whitney), p = P(|W − E W| ≥ |w − E W|) for the sum w of the ranks of one strategy,
+    tied values having their mean rank. Up to 50 runs each it counts all arrangements of the ranks as they are, ties
+    included, so that tied runs of one strategy do not blur how far it is from another; beyond, it is normal with
+    corrections for ties and continuity. p = 1 if all values of a pair are equal. Holm's adjustment is over all
+    k(k − 1)/2 pairs.
     Raises InputError for an empty sample and for NaN.
     Source: Mann and Whitney 1947; Streitberg and Röhmel 1986 (counting with ties); Holm 1979; Vargha and Delaney 2000.
     """
@@ -180,7 +181,8 @@ def _arrangements(ranks: NDArray[np.int_], size: int) -> FloatArray:
     counts[0, 0] = 1.0
     for rank, total in zip(np.sort(ranks), totals, strict=True):
         counts[1:, rank : total + 1] += counts[:-1, : total + 1 - rank].copy()
-    return counts[size]
+    chosen: FloatArray = counts[size]
+    return chosen
 
 
 def _symmetric(of_pairs: FloatArray, k: int) -> FloatArray:
