@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from railsearch.design_problem import DesignProblem
 from railsearch.errors import InputError
 from railsearch.interfaces import Evaluation, Quantity
-from railsearch.parameters import closest, make_parameters
+from railsearch.parameters import make_parameters
 from railsearch.plugin_manager import Registry
 from railsearch.preferences import StatedPreference, quantities_of, scores
 from railsearch.result import (
@@ -24,6 +24,7 @@ from railsearch.result import (
 )
 from railsearch.run import front
 from railsearch.space import FloatArray
+from railsearch.wording import closest
 
 FEWEST_FOR_TRADE_OFF = 3
 

@@ -1,5 +1,8 @@
 """The errors that railsearch raises. Their text says what was wrong, where, the value received and the remedy."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 
 class RailsearchError(Exception):
     """Base of every error that a user can mend; the command line prints it in a line or two and ends with code 2."""
@@ -31,3 +34,12 @@ class SurrogateError(RailsearchError):
 
 class SimulationError(RailsearchError):
     """A simulation diverged or could not be carried out; the evaluation counts as failed."""
+
+
+@contextmanager
+def located(where: str) -> Iterator[None]:
+    """Have an error that a user can mend say where it is: of the same class, `where: ` before its text."""
+    try:
+        yield
+    except RailsearchError as error:
+        raise type(error)(f"{where}: {error}") from None

@@ -6,7 +6,7 @@ from typing import Any
 
 from railsearch.errors import InputError
 from railsearch.interfaces import Quantity
-from railsearch.parameters import closest
+from railsearch.wording import closest
 
 
 def minimised(values: Mapping[str, Any], quantities: Sequence[Quantity], where: str) -> dict[str, float]:

@@ -4,7 +4,6 @@ The same description serves validation at the door, `railsearch describe` and th
 """
 
 import dataclasses
-import difflib
 import math
 import sys
 import types
@@ -14,7 +13,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, TypeVar, cast
 
-from railsearch.errors import InputError
+from railsearch.errors import InputError, located
+from railsearch.wording import did_you_mean
 
 P = TypeVar("P")
 
@@ -75,19 +75,15 @@ def make_parameters(cls: type[P], values: Mapping[str, object], where: str) -> P
     missing = [field.name for field in _settable(cls) if _required(field) and field.name not in values]
     faults = [f"{where}: {', '.join(missing)} must be given"] if missing else []
     checked = _checked_values(cls, values, where, faults)
-    try:
+    with located(where):
         return cls(**checked)
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from None
 
 
 def amend_parameters(start: P, values: Mapping[str, object], where: str) -> P:
     """Replace fields of the frozen dataclass `start` by (nested) `values`, checked as in `make_parameters`."""
     changes = _checked_values(start, values, where, [])
-    try:
+    with located(where):
         return dataclasses.replace(start, **changes)  # type: ignore[type-var]
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from None
 
 
 def describe_parameters(start: object, prefix: str = "") -> Iterator[Description]:
@@ -245,15 +241,3 @@ def _many_in_words(kind: object) -> str:
     if typing.get_origin(kind) is tuple:
         return f"lists of {_many_in_words(typing.get_args(kind)[0])}"
     return names.get(cast(type, kind), "tables")
-
-
-def did_you_mean(name: str, known: Sequence[str]) -> str:
-    """The end of a message about an unknown name: the closest known one, or all of them."""
-    close = difflib.get_close_matches(name, known, n=1)
-    return f"; did you mean '{close[0]}'?" if close else f"; allowed are {', '.join(known) or 'none'}"
-
-
-def closest(name: str, known: Sequence[str]) -> str:
-    """The question whether the closest known name was meant, for a message that goes on with all of them; or nothing."""
-    close = difflib.get_close_matches(name, known, n=1)
-    return f", did you mean '{close[0]}'?" if close else ""

@@ -6,7 +6,6 @@ external plugin is reported and left out; it does not take the program down.
 """
 
 import dataclasses
-import difflib
 import importlib
 import importlib.metadata
 import pkgutil
@@ -22,6 +21,7 @@ from railsearch.errors import PluginError
 from railsearch.estimator_surrogate import estimator_surrogate
 from railsearch.interfaces import Surrogate, TrackModel
 from railsearch.parameters import make_parameters
+from railsearch.wording import closest
 
 BUILT_IN_PACKAGES = (
     "railsearch_plugins.track_models",
@@ -100,10 +100,8 @@ class Registry:
         if (kind, name) in self._entries:
             return self._entries[kind, name]
         known = [entry.name for entry in self.entries(kind)]
-        close = difflib.get_close_matches(name, known, n=1)
-        hint = f", did you mean '{close[0]}'?" if close else ""
         broken = f" Not loaded: {'; '.join(self.warnings)}" if self.warnings else ""
-        raise PluginError(f"unknown {kind} '{name}'{hint}; known: {', '.join(known) or 'none'}.{broken}")
+        raise PluginError(f"unknown {kind} '{name}'{closest(name, known)}; known: {', '.join(known) or 'none'}.{broken}")
 
     def called(self, name: str) -> list[Entry]:
         """The entries of that name, one of each kind that has it; members of families and families themselves as well."""

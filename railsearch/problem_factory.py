@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any, cast
 
 from railsearch.design_problem import DesignProblem, ScalarisedProblem
-from railsearch.errors import CapabilityError, InputError
+from railsearch.errors import CapabilityError, InputError, located
 from railsearch.interfaces import Quantity, Scalariser
 from railsearch.objective_values import minimised, natural
 from railsearch.parameters import amend_parameters, make_parameters
@@ -78,10 +78,17 @@ def amended_design(problem: DesignProblem, changes: Mapping[str, Any]) -> FloatA
     return problem.space.amended(problem.space.lower, changes)
 
 
-def given_designs(problem: DesignProblem, given: Sequence[Mapping[str, Any]] = ()) -> list[FloatArray]:
-    """The designs that a run evaluates first: the reference design, then amendments of it, each once."""
+def given_designs(
+    problem: DesignProblem, given: Sequence[Mapping[str, Any]] = (), where: str = "given design"
+) -> list[FloatArray]:
+    """The designs that a run evaluates first: the reference design, then amendments of it, each once.
+
+    Raises InputError for an amendment that is not allowed, by its number and `where` it stands.
+    """
     designs = [] if problem.reference is None else [problem.reference]
-    designs += [amended_design(problem, changes) for changes in given]
+    for number, changes in enumerate(given, start=1):
+        with located(f"{where} {number}"):
+            designs.append(amended_design(problem, changes))
     return list({problem.space.key(design): design for design in designs}.values())
 
 

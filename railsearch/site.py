@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from railsearch.errors import InputError
+from railsearch.errors import InputError, located
 from railsearch.parameters import allowed_values, make_parameters
 from railsearch.plugin_manager import Registry
 from railsearch.preferences import GroupPreferenceParameters
@@ -159,7 +159,9 @@ def _settings_tables(tables: object, kind: str, registry: Registry, path: Path) 
     if not isinstance(tables, dict) or not all(isinstance(table, dict) for table in tables.values()):
         raise InputError(f"{path}: {kind}: tables [{kind}.NAME] are needed, received {tables!r}")
     for name, table in tables.items():
-        make_parameters(registry.get(kind, name).Parameters, table, f"{path}: {kind}.{name}")
+        with located(f"{path}: [{kind}.{name}]"):
+            plugin = registry.get(kind, name)
+        make_parameters(plugin.Parameters, table, f"{path}: {kind}.{name}")
     return tables
 
 

@@ -1,6 +1,5 @@
 """Named design variables with unit, kind and bounds, and their map to the unit cube."""
 
-import difflib
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from railsearch.errors import InputError
+from railsearch.wording import closest
 
 FloatArray = NDArray[np.float64]
 
@@ -108,8 +108,7 @@ class Space:
         vector = np.array(design, dtype=float)
         for name, value in changes.items():
             if name not in self.names:
-                close = difflib.get_close_matches(name, self.names, n=1)
-                hint = f", did you mean '{close[0]}'?" if close else ""
+                hint = closest(name, self.names)
                 raise InputError(f"unknown variable '{name}'{hint}; the variables are {', '.join(self.names)}")
             vector[self.names.index(name)] = value
         return self.checked(vector)

@@ -1,6 +1,7 @@
 """How numbers and names are shown, in tables, pages and figures alike."""
 
-from collections.abc import Mapping
+import difflib
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 
@@ -46,6 +47,18 @@ def none_feasible(document: Mapping[str, Any]) -> str:
 def install_remedy(extra: str) -> str:
     """How to install an extra of railsearch, for messages about something that is missing."""
     return f"`.venv/bin/pip install '.[{extra}]'` in a clone, else `pip install 'railsearch[{extra}]'`"
+
+
+def did_you_mean(name: str, known: Sequence[str]) -> str:
+    """The end of a message about an unknown name: the closest known one, or all of them."""
+    close = difflib.get_close_matches(name, known, n=1)
+    return f"; did you mean '{close[0]}'?" if close else f"; allowed are {', '.join(known) or 'none'}"
+
+
+def closest(name: str, known: Sequence[str]) -> str:
+    """The question whether the closest known name was meant, for a message that goes on with all of them; or nothing."""
+    close = difflib.get_close_matches(name, known, n=1)
+    return f", did you mean '{close[0]}'?" if close else ""
 
 
 def _listed(value: object) -> str:

@@ -1,4 +1,3 @@
-import io
 import json
 import math
 import re
@@ -6,21 +5,18 @@ import subprocess
 import sys
 import tomllib
 import types
-import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from rich.console import Console
 from rich.table import Table
 
-from command_line import Answer
-from railsearch.commands import progress, tables
+from command_line import Answer, refused
+from railsearch.commands import tables
 from railsearch.hookspecs import hookimpl
-from railsearch.interfaces import Evaluation, Quantity
-from sample_problems import Sphere, Troubled, TwoObjectives
+from sample_problems import Troubled, TwoObjectives
 
 Cli = Callable[..., Answer]
 REFERENCE = {"xr1": 1120.0, "xr2": 1120.0, "xr3": 1120.0, "xn": 8, "xs1": 6, "xs2": 6, "xs3": 4, "xl": 0}
@@ -35,13 +31,6 @@ def sample_problems() -> types.ModuleType:
     made = types.ModuleType("samples")
     vars(made)["railsearch_problems"] = railsearch_problems
     return made
-
-
-def refused(answer: Answer, *words: str) -> None:
-    assert answer.code == 2, answer
-    assert all(word in answer.err for word in words), answer.err
-    assert "Traceback" not in answer.err
-    assert answer.out == ""
 
 
 def test_help_teaches(railsearch: Cli) -> None:
@@ -138,64 +127,6 @@ def test_a_bad_run_is_refused_before_anything_is_evaluated(
     refused(railsearch("run", "level-crossing", *words), *messages)
     assert list(tmp_path.iterdir()) == []
     assert len(railsearch("run", "level-crossing", *words).err.splitlines()) <= 2
-
-
-@pytest.mark.parametrize(
-    ("text", "messages"),
-    [
-        ("[variables.xr1]\nlower = 900\nupper = 100", ("xr1", "below", "900 and 100")),
-        ("[variables.xr9]\nlower = 1", ("variables", "'xr9'")),
-        ("[variables.xn]\nlower = 0.5", ("variables.xn.lower", "integer", "0.5")),
-        ("[variables.xl]\nupper = 200", ("variables: at the upper bounds", "type_2_strip_length", "12 m", "20 m")),
-        ("[variables.xn]\nupper = 500", ("variables: at the upper bounds", "strengthened_sleepers", "500")),
-        ("[track.geometry]\nslab_count = 50", ("crossing", "400 m", "134 m")),
-        ("[track.passage]\nspeed = 1500.0", ("speed", "critical", "1500")),
-        ("[worst]\nF_min = 3.0", ("worst", "'F_min'", "F_rms, F_max, E_rms, E_max")),
-        ("[worst]\nF_max = true", ("worst.F_max", "finite number")),
-        ("worst = 3", ("worst", "3")),
-        ("[variables.xs3]\nlower = 5", ("xs3", "5 to 7", "4")),
-        ("[trak]\nx = 1", ("[trak]", "track, variables, worst, given, strategy.NAME, scalariser.NAME")),
-        ("[track.rail]\narea = nan", ("track.rail.area", "finite")),
-        ("[track.zone]\nsleeper_distances = [0.6, 0.6, 0.45]", ("0.1 m", "0.45")),
-        ("[strategy.dycors]\nsigma_start = 'big'", ("strategy.dycors", "sigma_start", "'big'")),
-        ("[strategy.magic]\na = 1", ("unknown strategy 'magic'",)),
-        ("problem = 'bridge'", ("'bridge'", "'level-crossing'")),
-        ("given = 3", ("given", "3")),
-        ("track = 3", ("track", "3")),
-        ("[[", ("not a TOML file",)),
-    ],
-)
-def test_a_bad_site_file_is_refused_by_field(railsearch: Cli, tmp_path: Path, text: str, messages: tuple[str, ...]) -> None:
-    path = tmp_path / "site.toml"
-    path.write_text(text)
-    refused(railsearch("evaluate", "level-crossing", "--parameters", path), *messages)
-
-
-def test_a_written_site_file_is_the_default_site(railsearch: Cli, tmp_path: Path) -> None:
-    path = tmp_path / "site.toml"
-    assert railsearch("init", "level-crossing", "--out", path).code == 0
-    document = tomllib.loads(path.read_text())
-    assert {"track", "variables", "worst", "strategy", "scalariser"} <= set(document)
-    assert re.search(r"# young_modulus|# Young's modulus \[Pa\]", path.read_text())
-    plain = json.loads(railsearch("evaluate", "level-crossing", "--json").out)
-    assert json.loads(railsearch("evaluate", "level-crossing", "-p", path, "--json").out) == plain
-    refused(railsearch("init", "level-crossing", "--out", path), "exists")
-
-
-def test_lists_may_stand_in_a_file_beside_the_site(railsearch: Cli, tmp_path: Path) -> None:
-    position = np.arange(0.0, 136.0, 0.25)
-    table = np.column_stack([position, 1e-4 * np.sin(2.0 * np.pi * position / 1.3)])
-    np.savetxt(tmp_path / "level.csv", table, delimiter=",", header="x [m], r [m], positive upward")
-    path = tmp_path / "site.toml"
-    columns = 'position = { file = "level.csv", column = 1 }\nheight = { file = "level.csv", column = 2 }'
-    path.write_text(f"[track.irregularity]\n{columns}\n")
-    document = json.loads(railsearch("simulate", "level-crossing", "-p", path, "--json").out)
-    assert np.allclose(document["parameters"]["irregularity"]["height"], table[:, 1], rtol=1e-12)
-    assert document["metrics"]["F_max"] > 2.0 * 1700.0, "a wavy rail shakes the wheel"
-    path.write_text(f"[track.irregularity]\n{columns.replace('= 2', '= 3')}\n")
-    refused(railsearch("evaluate", "level-crossing", "-p", path), "level.csv", "3 or more columns")
-    path.write_text(f"[track.irregularity]\n{columns.replace('level', 'absent')}\n")
-    refused(railsearch("evaluate", "level-crossing", "-p", path), "absent.csv", "No such file")
 
 
 def test_list_and_describe(railsearch: Cli) -> None:
@@ -351,15 +282,6 @@ def test_sampled_worst_values_serve_any_problem(railsearch: Cli, install: Callab
     assert document["scalariser"]["values"]["worst"] == tomllib.loads(path.read_text())["worst"]
 
 
-def test_given_designs_of_a_site_come_after_the_reference(railsearch: Cli, tmp_path: Path) -> None:
-    path = tmp_path / "site.toml"
-    path.write_text("[[given]]\nxr3 = 100\n[[given]]\nxr1 = 1120\n")
-    words = ("run", "level-crossing", "--objectives", "F_max", "--strategy", "random", "--budget", 3, "-p", path)
-    document = json.loads(railsearch(*words, "--seed", 1, "--out", tmp_path / "run", "--json").out)
-    assert [row["origin"] for row in document["evaluations"]] == ["given", "given", "random"]
-    assert document["evaluations"][1]["design"] == {**REFERENCE, "xr3": 100.0}
-
-
 LIMITED = """
 import resource, sys
 resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit}))
@@ -443,34 +365,3 @@ def test_a_reference_that_fails_leaves_no_record_of_a_run_that_needs_it(
     refused(railsearch(*words), "its evaluation failed", "give the scalariser its aspiration values")
     assert not (tmp_path / "run.json").exists()
     assert not (tmp_path / "study.db").exists()
-
-
-def test_a_narrow_terminal_keeps_the_bar_and_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    console = Console(width=80, force_terminal=True, record=True, file=io.StringIO())
-    monkeypatch.setattr(progress, "messages", console)
-    problem = Sphere()
-    problem.objectives = tuple(Quantity(f"a_long_name_of_an_objective_{k}", "N·m") for k in range(1))
-    metrics = {f"another_long_name_of_a_metric_{k}": 1234.5 for k in range(3)}
-    problem.metrics = tuple(Quantity(name, "N·m") for name in metrics)
-    base = Sphere()
-    base.objectives = problem.metrics
-    monkeypatch.setattr(Sphere, "simulated", property(lambda self: base))
-    with progress.run_progress(problem, 20) as watch:
-        for number in range(5):
-            watch(Evaluation(number, np.zeros(4), np.array([1.0]), np.empty(0), metrics, "initial"))
-    last = console.export_text().rstrip()[-80:]
-    assert re.match(r"━.* +5/20 [\d:-]+ left, best a_long_name_of_an_objective_0 1 N·m, .*…$", last)
-
-
-def test_a_warning_of_a_library_is_told_once_as_a_plain_line(capsys: pytest.CaptureFixture[str]) -> None:
-    with progress.plain_warnings():
-        for number in range(10):
-            warnings.warn_explicit(
-                f"failed to converge after {number} iterations,\n  see there", UserWarning, "x.py", number
-            )
-        warnings.warn_explicit("something else", UserWarning, "x.py", 1)
-    lines = capsys.readouterr().err.splitlines()
-    assert lines == [
-        "warning: failed to converge after 0 iterations, see there (told once)",
-        "warning: something else (told once)",
-    ]

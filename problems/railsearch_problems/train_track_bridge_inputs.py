@@ -16,8 +16,9 @@ import numpy as np
 
 from railsearch.distributions import RandomVector, keep_inside, random_vector
 from railsearch.errors import InputError
-from railsearch.parameters import did_you_mean, field_range, parameter
+from railsearch.parameters import field_range, parameter
 from railsearch.space import FloatArray
+from railsearch.wording import did_you_mean
 
 Table = Mapping[str, object]
 

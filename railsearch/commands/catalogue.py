@@ -16,12 +16,12 @@ from railsearch.commands.options import (
 )
 from railsearch.design_problem import DesignProblem
 from railsearch.errors import InputError, PluginError
-from railsearch.parameters import Description, closest, describe_parameters
+from railsearch.parameters import Description, describe_parameters
 from railsearch.plugin_manager import KINDS, Entry, Registry, load_plugins
 from railsearch.preferences import FUNCTIONS
 from railsearch.problem_factory import ProblemSettings, make_problem
 from railsearch.site import site_template
-from railsearch.wording import readable
+from railsearch.wording import closest, readable
 
 Kind = Annotated[str | None, typer.Argument(metavar="[KIND]", help=f"One of {', '.join(KINDS)}; default: all.")]
 Name = Annotated[str, typer.Argument(metavar="NAME", help="Name of a plugin of any kind; see `railsearch list`.")]

@@ -109,7 +109,7 @@ def run(
         None if initial_seed is None else checked_seed(initial_seed, "initial-seed"),
         workers,
     )
-    given = given_designs(asked.problem, asked.site.given)
+    given = given_designs(asked.problem, asked.site.given, f"{parameters}: [[given]]")
     make_strategy(registry, asked.problem, settings, len(given))
     identity = plain(run_identity(registry, asked.settings, asked.problem, settings, given))
     folder = RunDirectory(out or Path(f"{name}-{strategy}-seed{settings.seed}"))

@@ -25,11 +25,12 @@ import numpy as np
 from railsearch.errors import InputError
 from railsearch.interfaces import Quantity
 from railsearch.objective_values import weights_by_name
-from railsearch.parameters import closest, did_you_mean, make_parameters, parameter
+from railsearch.parameters import make_parameters, parameter
 from railsearch.preferences.aggregation import AGGREGATIONS
 from railsearch.preferences.functions import Desirability, Linear, MonotoneSpline, PiecewiseLinear, PreferenceFunction
 from railsearch.preferences.physical_programming import GROWTH_STEP, PhysicalProgramming
 from railsearch.space import FloatArray
+from railsearch.wording import closest, did_you_mean
 
 FUNCTIONS: Mapping[str, type] = {
     cast(Any, kind).function: kind for kind in (Linear, PiecewiseLinear, MonotoneSpline, PhysicalProgramming, Desirability)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -15,6 +14,7 @@ from railsearch.errors import InputError
 from railsearch.samples.file_table import FileTable, read_table
 from railsearch.samples.table import CONSTRAINT, QUANTITY, REASON, VARIABLE, column_numbers, layout_of
 from railsearch.space import FloatArray
+from railsearch.wording import closest
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -147,6 +147,4 @@ def _is_number(entry: object) -> bool:
 
 def _hint(name: str, known: Iterable[str]) -> str:
     names = list(known)
-    close = difflib.get_close_matches(name, names, n=1)
-    guess = f", did you mean '{close[0]}'?" if close else ""
-    return f"{guess}; there are {', '.join(names) or 'none'}"
+    return f"{closest(name, names)}; there are {', '.join(names) or 'none'}"

@@ -9,7 +9,6 @@
 | w_j | weights: half the distance between both neighbours, at the ends half the end interval | (n_i,) | SI |
 """
 
-import difflib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,6 +19,7 @@ from numpy.typing import NDArray
 
 from railsearch.errors import InputError
 from railsearch.space import FloatArray, Space, Variable
+from railsearch.wording import closest
 
 if TYPE_CHECKING:  # half a second of scipy that only those who have random vectors need
     from railsearch.distributions import RandomVector
@@ -183,6 +183,4 @@ def _stated(name: str, bounds: Sequence[float], inputs: "RandomVector") -> NDArr
 def _check_known(names: Sequence[str], known: Sequence[str], kind: str, where: str = "") -> None:
     for name in names:
         if name not in known:
-            close = difflib.get_close_matches(name, known, n=1)
-            hint = f", did you mean '{close[0]}'?" if close else ""
-            raise InputError(f"{where}unknown {kind} '{name}'{hint}; there are {', '.join(known)}")
+            raise InputError(f"{where}unknown {kind} '{name}'{closest(name, known)}; there are {', '.join(known)}")

@@ -11,7 +11,7 @@ import pyarrow.parquet
 import pytest
 from uncertain_problem import BREAKS, DISTRIBUTIONS, plugin
 
-from command_line import Answer
+from command_line import Answer, refused
 from railsearch.commands import sampling
 from railsearch.distributions import random_vector
 from railsearch.samples import ExperimentDesign, read_samples
@@ -27,13 +27,6 @@ def sample(railsearch: Cli, install: Callable[..., None], tmp_path: Path, monkey
     monkeypatch.setattr(sampling, "_draw", lambda path, problem, evaluations: None)
     monkeypatch.chdir(tmp_path)
     return lambda *words: railsearch("sample", *words)
-
-
-def refused(answer: Answer, *words: str) -> None:
-    assert answer.code == 2, answer
-    assert all(word in answer.err for word in words), answer.err
-    assert "Traceback" not in answer.err
-    assert answer.out == ""
 
 
 def lasting(path: Path) -> Any:
