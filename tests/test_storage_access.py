@@ -3,10 +3,12 @@
 import sqlite3
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 from optuna.exceptions import StorageInternalError
+from optuna.trial import FrozenTrial
 from sqlalchemy.exc import OperationalError
 
 from railsearch.errors import InputError, StorageError
@@ -91,19 +93,20 @@ def test_an_evaluation_whose_storing_was_not_confirmed_is_not_stored_twice(
     """The transaction was carried out, but the connection broke before the answer."""
     url = f"sqlite:///{tmp_path / 'study.db'}"
     record = Storage(url, Patience(10.0)).run(StudyDescription("two", {}, ("distance",), 0, ""), MIXED)
-    add, calls = record._add, []
+    add = record._add
+    calls: list[Sequence[FrozenTrial]] = []
 
-    def unconfirmed(trial: object) -> None:
-        calls.append(trial)
-        add(trial)  # type: ignore[arg-type]
+    def unconfirmed(trials: Sequence[FrozenTrial]) -> None:
+        calls.append(trials)
+        add(trials)
         if len(calls) == 1:
             raise OperationalError("", {}, Exception("server closed the connection"))
 
     monkeypatch.setattr(record, "_add", unconfirmed)
-    for number in range(3):
-        record.append(sphere_evaluation(number))
-    assert [evaluation.number for evaluation in record.load()] == [0, 1, 2]
-    assert len(calls) == 3
+    for number in (0, 2, 4):
+        record.append(sphere_evaluation(number), sphere_evaluation(number + 1))
+    assert [evaluation.number for evaluation in record.load()] == list(range(6))
+    assert [len(trials) for trials in calls] == [2, 0, 2, 2]
 
 
 def test_an_evaluation_that_was_not_stored_is_stored_at_the_next_attempt(
@@ -111,13 +114,14 @@ def test_an_evaluation_that_was_not_stored_is_stored_at_the_next_attempt(
 ) -> None:
     url = f"sqlite:///{tmp_path / 'study.db'}"
     record = Storage(url, Patience(10.0)).run(StudyDescription("two", {}, ("distance",), 0, ""), MIXED)
-    add, calls = record._add, []
+    add = record._add
+    calls: list[Sequence[FrozenTrial]] = []
 
-    def refused(trial: object) -> None:
-        calls.append(trial)
+    def refused(trials: Sequence[FrozenTrial]) -> None:
+        calls.append(trials)
         if len(calls) == 1:
             raise OperationalError("", {}, Exception("no connection"))
-        add(trial)  # type: ignore[arg-type]
+        add(trials)
 
     monkeypatch.setattr(record, "_add", refused)
     record.append(sphere_evaluation(0))

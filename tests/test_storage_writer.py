@@ -65,17 +65,18 @@ def stored(url: str, name: str) -> list[tuple[object, ...]]:
     ]
 
 
-def test_what_is_written_fast_is_what_optuna_writes(url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("together", [1, 5, 12])
+def test_what_is_written_fast_is_what_optuna_writes(url: str, together: int, monkeypatch: pytest.MonkeyPatch) -> None:
     fast = Storage(url).run(DESCRIPTION, SPACE)
     monkeypatch.setattr(study_module, "can_write", lambda engine: False)
     slow_description = StudyDescription("slow", DESCRIPTION.identity, DESCRIPTION.objective_names, 1, "")
     slow = Storage(url).run(slow_description, SPACE)
-    monkeypatch.setattr(study_module, "write_trial", None, raising=True)
+    monkeypatch.setattr(study_module, "write_trials", None, raising=True)
     for evaluation in evaluations():
         slow.append(evaluation)
     monkeypatch.undo()
-    for evaluation in evaluations():
-        fast.append(evaluation)
+    for first in range(0, 12, together):
+        fast.append(*evaluations()[first : first + together])
     assert stored(url, DESCRIPTION.name) == stored(url, "slow")
     assert [trial[0] for trial in stored(url, DESCRIPTION.name)] == list(range(12))
 
@@ -99,6 +100,8 @@ def test_a_trial_is_written_whole_or_not_at_all(url: str) -> None:
     broken = Evaluation(**{**bad.__dict__, "origin": object()})
     with pytest.raises(TypeError):
         record.append(broken)
+    with pytest.raises(TypeError):
+        record.append(bad, broken)
     assert len(stored(url, DESCRIPTION.name)) == 1
     record.append(bad)
     assert [trial[0] for trial in stored(url, DESCRIPTION.name)] == [0, 1]

@@ -194,22 +194,21 @@ class Coordinator:
         known = self._made(task)
         if not all(_same(here, there) for here, there in zip(stored, known, strict=False)):
             return
-        for evaluation in known[len(stored) :]:
-            if self._stopping:
-                return
-            self._keep(task, record, stored, evaluation)
+        if new := known[len(stored) :]:
+            self._keep(task, record, stored, new)
 
-    def _keep(self, task: CellTask, record: RunStorage, stored: list[Evaluation], evaluation: Evaluation) -> None:
-        record.append(evaluation)
-        stored.append(evaluation)
-        self._watcher.evaluation(task, evaluation)
+    def _keep(self, task: CellTask, record: RunStorage, stored: list[Evaluation], new: Sequence[Evaluation]) -> None:
+        record.append(*new)
+        stored.extend(new)
+        for evaluation in new:
+            self._watcher.evaluation(task, evaluation)
 
     def _searched(self, work: _Work, place: Place, record: RunStorage, stored: list[Evaluation]) -> str:
         """Carry a run on until it ends; the error that ended it, empty if it is complete."""
         step = self._step(work, place, stored, begin=True)
         self._check_versions(place, step)
         while step.evaluation is not None:
-            self._keep(work.task, record, stored, step.evaluation)
+            self._keep(work.task, record, stored, [step.evaluation])
             if self._stopping:
                 return ""
             step = self._step(work, place, stored)

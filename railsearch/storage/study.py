@@ -9,7 +9,7 @@ import json
 import math
 import threading
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,7 +28,7 @@ from railsearch.storage.address import check_storage, is_file, without_password
 from railsearch.storage.claims import Claims
 from railsearch.storage.note import note_attributes
 from railsearch.storage.tables import CONSTRAINTS
-from railsearch.storage.writer import can_write, write_trial
+from railsearch.storage.writer import can_write, write_trials
 
 IDENTITY = "railsearch"
 OPENING_SECONDS = 5.0
@@ -95,12 +95,12 @@ class RunStorage:
         with writable(self._place, f"{self._safe} evaluations are"), self._lock:
             optuna.delete_study(study_name=self._study.study_name, storage=self._study._storage)
 
-    def append(self, evaluation: Evaluation) -> None:
-        """Store one finished evaluation in one transaction.
+    def append(self, *evaluations: Evaluation) -> None:
+        """Store finished evaluations in one transaction, in the order given.
 
-        Raises StorageError if it cannot be written, or if the study was claimed by another process.
+        Raises StorageError if they cannot be written, or if the study was claimed by another process.
         """
-        trial = self._trial(evaluation)
+        trials = {evaluation.number: self._trial(evaluation) for evaluation in evaluations}
         attempts = 0
 
         def attempt() -> None:
@@ -108,18 +108,18 @@ class RunStorage:
             attempts += 1
             self._check_claim()
             # A broken connection leaves open whether the transaction before it was carried out.
-            if attempts == 1 or not self._has(evaluation.number):
-                self._add(trial)
+            there = self._numbers() if attempts > 1 else set()
+            self._add([trial for number, trial in trials.items() if number not in there])
 
         with writable(self._place, f"{self._safe} evaluations are"), self._lock:
             self._patience.insist(attempt)
-        self._safe += 1
+        self._safe += len(trials)
 
-    def _add(self, trial: FrozenTrial) -> None:
+    def _add(self, trials: Sequence[FrozenTrial]) -> None:
         if self._engine is None:
-            self._study.add_trial(trial)
+            self._study.add_trials(trials)
         else:
-            write_trial(self._engine, self._study._study_id, trial)
+            write_trials(self._engine, self._study._study_id, trials)
 
     def _check_claim(self) -> None:
         if self._claims is not None and not self._claims.kept(self._study.study_name):
@@ -128,9 +128,9 @@ class RunStorage:
                 "was lost; that process goes on with it"
             )
 
-    def _has(self, number: int) -> bool:
-        trials = self._study.get_trials(deepcopy=False)
-        return any(trial.user_attrs.get("evaluation") == number + 1 for trial in trials)
+    def _numbers(self) -> set[int]:
+        """The numbers of the evaluations that are stored."""
+        return {trial.user_attrs["evaluation"] - 1 for trial in self._study.get_trials(deepcopy=False)}
 
     def _trial(self, evaluation: Evaluation) -> FrozenTrial:
         now = datetime.datetime.now()

@@ -5,10 +5,12 @@ Optuna writes a trial of ten parameters in some fifty statements. What is stored
 
 import datetime
 import json
+from collections.abc import Iterable
+from itertools import chain
 
 from optuna.distributions import distribution_to_json
 from optuna.trial import FrozenTrial
-from sqlalchemy import Engine, func, insert, select
+from sqlalchemy import Connection, Engine, func, insert, select
 
 from railsearch.storage.tables import (
     ATTRIBUTES,
@@ -21,6 +23,7 @@ from railsearch.storage.tables import (
 )
 
 Row = dict[str, object]
+TABLES = (PARAMETERS, VALUES, ATTRIBUTES, SYSTEM_ATTRIBUTES)
 
 
 def can_write(engine: Engine) -> bool:
@@ -29,32 +32,37 @@ def can_write(engine: Engine) -> bool:
         return schema_of(connection) == KNOWN_SCHEMA
 
 
-def write_trial(engine: Engine, study_id: int, trial: FrozenTrial) -> None:
-    """Add a finished trial with finite values to a study that has one writer."""
+def write_trials(engine: Engine, study_id: int, trials: Iterable[FrozenTrial]) -> None:
+    """Add finished trials with finite values to a study that has one writer, in one transaction."""
+    with engine.begin() as connection:
+        rows = [_rows(connection, study_id, trial) for trial in trials]
+        for table, *parts in zip(TABLES, *rows, strict=True):
+            if together := list(chain.from_iterable(parts)):
+                connection.execute(insert(table), together)
+
+
+def _rows(connection: Connection, study_id: int, trial: FrozenTrial) -> tuple[list[Row], ...]:
+    """Add a trial; what belongs to it in the other tables."""
     number = select(func.count()).select_from(TRIALS).where(TRIALS.c.study_id == study_id).scalar_subquery()
     times = {"datetime_start": _utc(trial.datetime_start), "datetime_complete": _utc(trial.datetime_complete)}
-    with engine.begin() as connection:
-        row = insert(TRIALS).values(number=number, study_id=study_id, state=trial.state.name, **times)
-        (made,) = connection.execute(row).inserted_primary_key or (None,)
-        parameters: list[Row] = [
-            {
-                "trial_id": made,
-                "param_name": name,
-                "param_value": trial.distributions[name].to_internal_repr(value),
-                "distribution_json": distribution_to_json(trial.distributions[name]),
-            }
-            for name, value in trial.params.items()
-        ]
-        values: list[Row] = [
-            {"trial_id": made, "objective": objective, "value": value, "value_type": "FINITE"}
-            for objective, value in enumerate(trial.values or ())
-        ]
-        own: list[Row] = [_attribute(made, key, value) for key, value in trial.user_attrs.items()]
-        systems: list[Row] = [_attribute(made, key, value) for key, value in trial.system_attrs.items()]
-        tables = ((PARAMETERS, parameters), (VALUES, values), (ATTRIBUTES, own), (SYSTEM_ATTRIBUTES, systems))
-        for table, rows in tables:
-            if rows:
-                connection.execute(insert(table), rows)
+    row = insert(TRIALS).values(number=number, study_id=study_id, state=trial.state.name, **times)
+    (made,) = connection.execute(row).inserted_primary_key or (None,)
+    parameters: list[Row] = [
+        {
+            "trial_id": made,
+            "param_name": name,
+            "param_value": trial.distributions[name].to_internal_repr(value),
+            "distribution_json": distribution_to_json(trial.distributions[name]),
+        }
+        for name, value in trial.params.items()
+    ]
+    values: list[Row] = [
+        {"trial_id": made, "objective": objective, "value": value, "value_type": "FINITE"}
+        for objective, value in enumerate(trial.values or ())
+    ]
+    own = [_attribute(made, key, value) for key, value in trial.user_attrs.items()]
+    systems = [_attribute(made, key, value) for key, value in trial.system_attrs.items()]
+    return parameters, values, own, systems
 
 
 def _attribute(trial: int | None, key: str, value: object) -> Row:
