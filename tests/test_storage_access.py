@@ -5,11 +5,13 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
+import optuna
 import pytest
 from optuna.exceptions import StorageInternalError
 from optuna.trial import FrozenTrial
-from sqlalchemy.exc import OperationalError
+from sqlalchemy.exc import IntegrityError, OperationalError, ProgrammingError
 
 from railsearch.errors import InputError, StorageError
 from railsearch.storage import (
@@ -124,6 +126,24 @@ def test_an_evaluation_that_was_not_stored_is_stored_at_the_next_attempt(
         add(trials)
 
     monkeypatch.setattr(record, "_add", refused)
+    record.append(sphere_evaluation(0))
+    assert len(record.load()) == 1
+
+
+@pytest.mark.parametrize("collision", [IntegrityError, ProgrammingError])
+def test_a_storage_that_another_process_makes_at_the_same_moment_is_opened(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, collision: type[IntegrityError | ProgrammingError]
+) -> None:
+    make, attempts = optuna.storages.RDBStorage.__init__, []
+
+    def colliding(*arguments: Any, **settings: Any) -> None:
+        attempts.append(arguments)
+        if len(attempts) < 3:
+            raise collision("CREATE TYPE", {}, Exception("duplicate key value violates pg_type_typname_nsp_index"))
+        make(*arguments, **settings)
+
+    monkeypatch.setattr(optuna.storages.RDBStorage, "__init__", colliding)
+    record = Storage(f"sqlite:///{tmp_path / 'study.db'}").run(StudyDescription("two", {}, ("distance",), 0, ""), MIXED)
     record.append(sphere_evaluation(0))
     assert len(record.load()) == 1
 

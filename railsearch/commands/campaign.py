@@ -138,7 +138,7 @@ def campaign(
         messages.print(f"changed: {change}")
     if take:
         new = [task for task in prepared.tasks if task.cell in known and not is_complete(task, stored)]
-        messages.print(f"taken over: {len(new)} complete runs with {sum(task.evaluations for task in new)} evaluations")
+        messages.print(f"taking over: {len(new)} complete runs with {sum(task.evaluations for task in new)} evaluations")
     if dry_run:
         _print_cost(prepared, recorded(prepared.tasks, stored, known), workers)
         return

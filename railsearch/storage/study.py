@@ -4,6 +4,7 @@ One finished evaluation is one trial, written in one transaction when it is fini
 whole evaluations and nothing else. There is one writer per study.
 """
 
+import contextlib
 import datetime
 import json
 import math
@@ -19,6 +20,7 @@ from optuna.distributions import BaseDistribution, FloatDistribution, IntDistrib
 from optuna.study import StudyDirection
 from optuna.trial import FrozenTrial, TrialState, create_trial
 from sqlalchemy import Engine
+from sqlalchemy.exc import IntegrityError, ProgrammingError
 
 from railsearch.errors import StorageError
 from railsearch.interfaces import Evaluation
@@ -32,6 +34,7 @@ from railsearch.storage.writer import can_write, write_trials
 
 IDENTITY = "railsearch"
 OPENING_SECONDS = 5.0
+COLLISIONS = 5
 SHOWN = 60
 OWN_ATTRIBUTES = ("evaluation", "origin", "trajectory", "reason", "duration [s]", "overhead [s]")
 
@@ -176,7 +179,6 @@ class Storage:
         self._claims = claims
         self._lock = threading.Lock()
         with readable(self._place):
-            # Processes that begin at the same time on an empty server stand in one another's way for a moment.
             backend = Patience(min(OPENING_SECONDS, self._patience.seconds)).insist(lambda: _backend(url))
             self._storage = optuna.storages.get_storage(backend)
             self._engine = backend.engine if can_write(backend.engine) else None
@@ -241,8 +243,15 @@ class Storage:
 
 
 def _backend(url: str) -> optuna.storages.RDBStorage:
-    """Optuna's storage at a URL; a server's connections are tried before they are used, as they may have broken."""
-    return optuna.storages.RDBStorage(url, engine_kwargs={} if is_file(url) else {"pool_pre_ping": True})
+    """Optuna's storage at a URL; a server's connections are tried before they are used, as they may have broken.
+
+    Processes that begin at the same time make the same tables: what one could not make, it finds at its next attempt.
+    """
+    kwargs = {} if is_file(url) else {"pool_pre_ping": True}
+    for _ in range(COLLISIONS):
+        with contextlib.suppress(IntegrityError, ProgrammingError):
+            return optuna.storages.RDBStorage(url, engine_kwargs=kwargs)
+    return optuna.storages.RDBStorage(url, engine_kwargs=kwargs)
 
 
 def open_run(url: str, description: StudyDescription, space: Space, create: bool = True) -> RunStorage:

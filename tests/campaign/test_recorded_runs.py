@@ -107,14 +107,14 @@ def test_a_campaign_made_in_parts_is_put_together_without_an_evaluation(railsear
     made, found = len(whole.calls), whole.found()
     words = ("campaign", whole.file(), "--out", folder, *takes)
     dry = railsearch(*words, "--dry-run")
-    assert "taken over: 4 complete runs with 100 evaluations" in dry.err
+    assert "taking over: 4 complete runs with 100 evaluations" in dry.err
     assert "4 cells of 25 evaluations, 4 complete" in dry.out
     answer = railsearch(*words, "--workers", 2)
     assert answer.code == 0, answer.err
     assert len(whole.calls) == made + 1, "nothing is evaluated but what the dry run times"
     assert whole.found(f"sqlite:///{folder / 'study.db'}") == found
     assert len(found) == 4
-    assert railsearch(*words).err.startswith("taken over: 0 complete runs")
+    assert railsearch(*words).err.startswith("taking over: 0 complete runs")
 
 
 @pytest.mark.usefixtures("sample_plugin")
@@ -127,7 +127,7 @@ def test_incomplete_runs_are_made_here(railsearch: Cli, tmp_path: Path) -> None:
     before = len(trial.calls)
     answer = railsearch("campaign", trial.file(), "--out", tmp_path / "out", "--take", path)
     assert answer.code == 0, answer.err
-    assert "taken over: 1 complete runs with 10 evaluations" in answer.err
+    assert "taking over: 1 complete runs with 10 evaluations" in answer.err
     assert len(trial.calls) == before + 10
     assert trial.found(f"sqlite:///{tmp_path / 'out' / 'study.db'}") == found
 
