@@ -9,6 +9,9 @@ WITHOUT_TORCH = $(shell $(BIN)/python -c "import torch" 2>/dev/null || echo "not
 WITHOUT_FEM = $(shell $(BIN)/python -c "import skfem" 2>/dev/null || echo "not fem")
 MARK = $(subst $() not, and not,$(strip $(WITHOUT_SYSTEM) $(WITHOUT_TORCH) $(WITHOUT_FEM)))
 
+# Tests start a hundred processes; each would compile all modules again.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: demo test lint benchmark clean
 
 demo: $(VENV)/run.stamp
@@ -16,7 +19,7 @@ demo: $(VENV)/run.stamp
 	@echo "Look into $(DEMO)/report.html, or start: $(BIN)/railsearch dashboard $(DEMO)"
 
 test: $(VENV)/test.stamp lint
-	$(BIN)/pytest -n 2 --dist loadgroup -m "$(MARK)"
+	$(BIN)/pytest -n 2 --dist loadfile --no-loadscope-reorder -m "$(MARK)"
 	@test -z "$(MARK)" || $(BIN)/pytest --collect-only -q -m "not ($(MARK))" 2>/dev/null | sed -n 's/^tests.*::/left out for want of Chromium, PostgreSQL, PyTorch or scikit-fem: &/p'
 
 lint: $(VENV)/test.stamp

@@ -55,11 +55,11 @@ class Browser:
         assert "error" not in answer, f"{method}: {answer['error']}"
         return dict(answer["result"])
 
-    def open(self, path: Path, width: int = 1280, height: int = 900) -> None:
-        """Load a file in a window of this size and wait until it is there."""
+    def open(self, page: Path | str, width: int = 1280, height: int = 900) -> None:
+        """Load a file or an address in a window of this size and wait until it is there."""
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=width < 600)
         self._events.clear()
-        self.call("Page.navigate", url=path.resolve().as_uri())
+        self.call("Page.navigate", url=page.resolve().as_uri() if isinstance(page, Path) else page)
         if not any(event["method"] == "Page.loadEventFired" for event in self._events):
             self._receive(lambda received: received.get("method") == "Page.loadEventFired")
 

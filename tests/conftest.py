@@ -1,6 +1,7 @@
 """Fixtures that several test modules share."""
 
 import importlib.metadata
+import os
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,9 +10,15 @@ from typing import Any
 
 import pytest
 from hypothesis import settings
+from threadpoolctl import threadpool_limits
 
 from command_line import Answer
 from railsearch.cli import main
+
+# Tests run in several processes side by side: more threads than processors wait for each other more than they calculate.
+# The variables are for libraries that are loaded later and for processes that are started from here.
+threadpool_limits(1)
+os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
 
 settings.register_profile("repeatable", derandomize=True, deadline=None)
 settings.load_profile("repeatable")

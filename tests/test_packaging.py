@@ -71,7 +71,6 @@ def command(binaries: Path, folder: Path, *words: str) -> str:
     ).stdout
 
 
-@pytest.mark.xdist_group("fresh")
 def test_plugins_are_listed_from_the_wheel(fresh: Path, tmp_path: Path) -> None:
     rows = {(row["kind"], row["name"]): row for row in json.loads(command(fresh, tmp_path, "list", "--json"))}
     assert {("strategy", "dycors"), ("surrogate", "rbf"), ("problem", "level-crossing"), ("scalariser", "asf")} <= set(rows)
@@ -87,7 +86,6 @@ def test_plugins_are_listed_from_the_wheel(fresh: Path, tmp_path: Path) -> None:
     assert all(str(fresh.parent) in path for path in listed)
 
 
-@pytest.mark.xdist_group("fresh")
 def test_an_external_strategy_searches_the_level_crossing(fresh: Path, tmp_path: Path) -> None:
     words = ("run", "level-crossing", "--scalarise", "asf", "--strategy", "pattern-search", "--budget", "12", "--seed", "1")
     document = json.loads(command(fresh, tmp_path, *words, "--out", "run", "--json"))
@@ -97,7 +95,6 @@ def test_an_external_strategy_searches_the_level_crossing(fresh: Path, tmp_path:
     assert (tmp_path / "run" / "report.html").exists()
 
 
-@pytest.mark.xdist_group("fresh")
 def test_the_external_strategy_passes_the_shipped_conformance_suite(fresh: Path, tmp_path: Path) -> None:
     code = (
         "from railsearch_pattern_search import PatternSearch as plugin; from railsearch.testing import check_strategy; "

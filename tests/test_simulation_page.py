@@ -229,7 +229,6 @@ def test_nothing_to_set_is_no_fault() -> None:
 
 
 @pytest.mark.system
-@pytest.mark.xdist_group("campaign-page")
 def test_the_page_fits_a_desk_and_a_phone(railsearch: Cli, tmp_path: Path) -> None:
     report = tmp_path / "page.html"
     assert railsearch("simulate", "train-track-bridge", *SHORT, "--report", report).code == 0

@@ -11,7 +11,7 @@ from railsearch.campaign.analysis import campaign_document
 from railsearch.report.campaign_page import write_campaign_report
 from sample_problems import Sphere, TwoObjectives
 
-pytestmark = [pytest.mark.system, pytest.mark.xdist_group("campaign-page")]
+pytestmark = pytest.mark.system
 CURVES = '[id="1-curves-sphere"]'
 
 

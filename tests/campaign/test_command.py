@@ -17,15 +17,28 @@ Cli = Callable[..., Any]
 pytestmark = pytest.mark.usefixtures("sample_plugin")
 
 
+def finish(*words: object) -> None:
+    """Run a command to its end."""
+    process = command(*words)
+    _, err = process.communicate(timeout=240)
+    assert process.returncode == 0, err
+
+
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Trial, Path]:
     """A finished campaign and its folder."""
     folder = tmp_path_factory.mktemp("finished")
     trial = Trial(folder / "trial", strategies=("lmsrs", "random"), repetitions=4, budget=24)
-    process = command("campaign", trial.file(), "--out", folder / "out")
-    _, err = process.communicate(timeout=240)
-    assert process.returncode == 0, err
+    finish("campaign", trial.file(), "--out", folder / "out")
     return trial, folder / "out"
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Trial:
+    """A campaign that nobody stopped."""
+    trial = Trial(tmp_path_factory.mktemp("undisturbed"))
+    finish("campaign", trial.file(), "--out", trial.folder)
+    return trial
 
 
 def test_a_dry_run_shows_cells_and_cost_and_leaves_nothing_behind(railsearch: Cli, tmp_path: Path) -> None:
@@ -108,18 +121,15 @@ def test_an_export_of_unknown_kind_is_refused(railsearch: Cli, finished: tuple[T
 
 
 @pytest.mark.parametrize("moment", [3, 17, 40])
-def test_a_campaign_killed_at_any_moment_goes_on_to_the_same_end(tmp_path: Path, moment: int) -> None:
-    killed, whole = Trial(tmp_path / "killed", seconds=0.02), Trial(tmp_path / "whole")
+def test_a_campaign_killed_at_any_moment_goes_on_to_the_same_end(undisturbed: Trial, tmp_path: Path, moment: int) -> None:
+    killed = Trial(tmp_path, seconds=0.02)
     words = ["campaign", killed.file(), "--workers", 2, "--out", killed.folder]
     process = command(*words)
     wait_until(lambda: len(killed.calls) >= moment)
     process.kill()
     process.communicate()
-    again = command(*words)
-    _, err = again.communicate(timeout=240)
-    assert again.returncode == 0, err
-    whole.carry_out()
-    assert killed.found() == whole.found()
+    finish(*words)
+    assert killed.found() == undisturbed.found()
     assert killed.evaluations <= len(killed.calls) <= killed.evaluations + 2
 
 

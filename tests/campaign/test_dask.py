@@ -22,7 +22,7 @@ from railsearch.run import RunSettings, run_search
 # A worker that dies loses what it has under way; a connection that breaks on a busy machine loses what all have.
 N_WORKERS = 3
 
-pytestmark = [pytest.mark.usefixtures("sample_plugin"), pytest.mark.xdist_group("campaign processes")]
+pytestmark = pytest.mark.usefixtures("sample_plugin")
 
 
 class Cluster:

@@ -18,7 +18,6 @@ from sample_problems import MIXED, sphere_evaluation
 pytestmark = [
     pytest.mark.system,
     pytest.mark.usefixtures("sample_plugin"),
-    pytest.mark.xdist_group("campaign processes"),
 ]
 
 

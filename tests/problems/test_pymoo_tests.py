@@ -24,8 +24,6 @@ REGISTRY = load_plugins()
 # Which pymoo itself cannot evaluate or make.
 BROKEN = {"clutch", "multiobjectiveknapsack"}
 EQUALITIES = {f"g{number}" for number in (3, 5, 13, 14, 15, 17, 20, 21, 22, 23)}
-# The problems are made once, by one worker: the worst values of each are those of a sample.
-together = pytest.mark.xdist_group("pymoo problems")
 # What was asked of the internet meanwhile.
 DOWNLOADS: list[object] = []
 
@@ -60,7 +58,6 @@ def made(name: str, **choices: Any) -> PymooProblem:
     return problem
 
 
-@together
 def test_nearly_all_of_pymoo_is_there() -> None:
     assert len(every()) > 120
     assert {"zdt1", "dtlz2", "wfg9", "mw14", "g6", "pressurevessel", "zcat20", "dascmop9"} <= set(every())
@@ -93,7 +90,6 @@ def test_values_bounds_and_constraints_are_pymoo_s(name: str, theirs: str, choic
         assert problem.n_ieq_constr == 0 or np.array_equal(found.constraints, told["G"])
 
 
-@together
 def test_nothing_feasible_dominates_the_stated_front() -> None:
     assert violating(_front_holds, lambda name: not name.startswith("wfg")) == ""
 
@@ -117,7 +113,6 @@ def _front_holds(problem: PymooProblem) -> bool:
     return not any(np.any(np.all(values < front - margin, axis=1)) for values in feasible)
 
 
-@together
 def test_the_stated_optimum_is_feasible_and_attained() -> None:
     assert sum(problem.pareto_set() is not None for problem in every().values()) > 25
     assert violating(_optimum_holds) == ""
@@ -145,7 +140,6 @@ def test_zdt5_has_bits_for_variables() -> None:
     assert problem.simulate(np.ones(38)).objectives == pytest.approx([1.0, 0.0])
 
 
-@together
 def test_what_differs_from_call_to_call_or_has_to_be_downloaded_is_not_stated() -> None:
     unknown = {name for name, problem in every().items() if problem.pareto_front() is None}
     assert DOWNLOADS == []
@@ -196,7 +190,6 @@ def test_a_problem_that_pymoo_cannot_evaluate_is_named_with_the_reason() -> None
     assert "('" not in told
 
 
-@together
 def test_every_listed_name_can_be_made() -> None:
     assert set(PymooTests.members()) == set(every())
     assert not (BROKEN | EQUALITIES) & set(PymooTests.members())
@@ -209,7 +202,6 @@ def test_the_objectives_are_the_problem_s_own() -> None:
         railsearch.problem("pymoo:ackley", objectives=("f1",))
 
 
-@together
 def test_the_worst_values_of_several_objectives_lie_behind_the_front() -> None:
     """So that hypervolume can be measured from there; rounding to three digits takes less than 1 % of the range."""
     assert sum(problem.n_obj > 1 for problem in every().values()) > 90

@@ -17,6 +17,7 @@ import numpy as np
 from numba import njit
 
 from railsearch_plugins.dynamics.beam import FloatArray, IntArray
+from railsearch_plugins.dynamics.kernels import doubled
 
 # Rows whose entries are looked at together where a column of the inverse is cut off, and where that is (see `kernels`).
 BLOCK = 64
@@ -150,8 +151,9 @@ def inverse_columns(first, offset, lower, unknowns):  # type: ignore[no-untyped-
         place[unknowns[c]], begins[c] = c, start
         starts[c + 1] = starts[c] + stop - start
         while starts[c + 1] > values.size:
-            values = np.concatenate((values, np.empty(values.size)))
-        values[starts[c] : starts[c + 1]] = x[start:stop]
+            values = doubled(values)
+        for i in range(start, stop):
+            values[starts[c] + i - start] = x[i]
         x[min(touched, start) : stop] = 0.0
     return place, begins, starts, values[: starts[-1]].copy()
 

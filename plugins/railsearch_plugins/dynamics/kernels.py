@@ -1,7 +1,8 @@
 """The compiled kernels: banded factorisation and substitution, product, and the steps of a passage.
 
 Symbols are those of `banded` (B, L, U, D) and `moving_contact` (the rest). All of them are in one file because compiled
-code is kept between runs and renewed only when the file of the function that was called has changed.
+code is kept between runs and renewed only when the file of the function that was called has changed. Arrays are copied by
+loops: numba compiles the check of an assignment to a slice, with its message, for seconds.
 """
 
 import numpy as np
@@ -196,7 +197,8 @@ def _forward_panel(lower, widths, unknowns, negligible, x):  # type: ignore[no-u
         if begin > unknowns[-1] and block <= negligible * largest:
             break
     for i in range(start, stop):
-        x[i] *= lower[0, i]
+        for lane in range(LANES):
+            x[i, lane] *= lower[0, i]
     return stop
 
 
@@ -222,6 +224,21 @@ def _backward_panel(lower, widths, first, stop, negligible, x):  # type: ignore[
 
 
 @njit(cache=True)
+def _copy(source, target):  # type: ignore[no-untyped-def]
+    """The source into the first places of the target."""
+    for i in range(source.size):
+        target[i] = source[i]
+
+
+@njit(cache=True)
+def doubled(values):  # type: ignore[no-untyped-def]
+    """The values with as much room again behind them."""
+    longer = np.empty(2 * values.size)
+    _copy(values, longer)
+    return longer
+
+
+@njit(cache=True)
 def inverse_columns(lower, widths, unknowns, negligible):  # type: ignore[no-untyped-def]
     """Columns A⁻¹ e_k of some unknowns k (r,), ascending, cut off where the forces D Lᵀ x of a stretch are `negligible`.
 
@@ -238,11 +255,12 @@ def inverse_columns(lower, widths, unknowns, negligible):  # type: ignore[no-unt
         start = _backward_panel(lower, widths, panel[0], stop, negligible, x)
         rows = stop - start
         while offset[begin] + panel.size * rows > values.size:
-            values = np.concatenate((values, np.empty(values.size)))
+            values = doubled(values)
         for c in range(panel.size):
             column = begin + c
             place[panel[c]], first[column], offset[column + 1] = column, start, offset[column] + rows
-            values[offset[column] : offset[column] + rows] = x[start:stop, c]
+            for i in range(rows):
+                values[offset[column] + i] = x[start + i, c]
     return place, first, offset, values
 
 
@@ -486,14 +504,16 @@ def integrate(track, train, contact, observation, start, time_step):  # type: ig
     integrals = np.zeros(observation.supports.size)
     highest, lowest, fastest = np.full(size, -np.inf), np.full(size, np.inf), np.zeros(size)
     kept_u, kept_v, kept = np.empty((observation.kept.size, size)), np.empty((observation.kept.size, size)), 0
-    force[0], z[0], motions[0, :, 0] = start.force, start.train, start.wheel
+    _copy(start.force, force[0])
+    _copy(start.train, z[0])
+    _copy(start.wheel, motions[0, :, 0])
     convective, widened = orders > 1, observation.extremes_from < steps
     for n in range(steps):
         unknowns, rows = contact.unknowns[n], contact.rows[n]
         if n > 0:
             before, motion = n - 1, motions[n]
             _extrapolated(force, n, predicted)
-            w[:] = known
+            _copy(known, w)
             _add_forces(contact.unknowns[before], contact.rows[before], force[before], w)
             _add_forces(unknowns, rows, predicted, w)
             forward(track.lower, track.lower_runs, w)
@@ -525,6 +545,7 @@ def integrate(track, train, contact, observation, start, time_step):  # type: ig
         for i in range(points.shape[1]):
             points[n, i] = u[observation.points[i]]
         if kept < observation.kept.size and n == observation.kept[kept]:
-            kept_u[kept], kept_v[kept] = u, v
+            _copy(u, kept_u[kept])
+            _copy(v, kept_v[kept])
             kept += 1
     return force, motions, z, zv, integrals, points, highest, lowest, fastest, kept_u[:kept], kept_v[:kept]
