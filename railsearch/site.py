@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import re
 import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -23,6 +24,7 @@ class Site:
     """What a site file says; sections, strategies and scalarisers as (nested) tables that have been checked."""
 
     problem: str
+    path: Path | None = None
     sections: Mapping[str, Any] = field(default_factory=dict)
     given: tuple[Mapping[str, float], ...] = ()
     worst: Mapping[str, Any] = field(default_factory=dict)
@@ -45,7 +47,7 @@ def read_site(path: Path, registry: Registry, problem: str) -> Site:
     if not isinstance(worst, dict):
         raise InputError(f"{path}: worst: a table [worst] of objectives is needed, received {worst!r}")
     checked_sections(registry, problem, document, str(path))
-    return Site(problem, document, tuple(given), worst, strategies, scalarisers)
+    return Site(problem, path, document, tuple(given), worst, strategies, scalarisers)
 
 
 def site_template(registry: Registry, problem: str) -> str:
@@ -87,17 +89,18 @@ def preference_settings(registry: Registry, scalariser: str | None, path: Path |
 
 
 @contextmanager
-def named_faults(scalariser: str | None, path: Path | None) -> Iterator[None]:
-    """Have errors in stated preferences name the preference file in place of the scalariser that found them."""
+def named_faults(scalariser: str | None, preferences: Path | None, site: Site | None = None) -> Iterator[None]:
+    """Have errors in settings of a scalariser name the preference file or the site file that they come from."""
     try:
         yield
     except InputError as error:
         found = str(error).removeprefix(f"{scalariser}.")
-        if path is None or not found.startswith(
-            tuple(field.name for field in dataclasses.fields(GroupPreferenceParameters))
-        ):
-            raise
-        raise InputError(f"{path}: {found}") from None
+        setting = re.split(r"\W", found, maxsplit=1)[0]
+        if preferences is not None and setting in {field.name for field in dataclasses.fields(GroupPreferenceParameters)}:
+            raise InputError(f"{preferences}: {found}") from None
+        if site is not None and found != str(error) and setting in site.scalarisers.get(scalariser or "", {}):
+            raise InputError(f"{site.path}: scalariser.{error}") from None
+        raise
 
 
 def _worst_table(registry: Registry, problem: str) -> Iterator[str]:

@@ -81,7 +81,11 @@ def test_simulate_takes_the_track_models_own_parameters(railsearch: Cli, tmp_pat
         (("simulate", "level-crossing", "--set", "geometry.slab_length=60"), ("crossing", "220 m", "134 m")),
         (("simulate", "level-crossing", "--set", "rail.aera=1"), ("'aera'", "did you mean 'area'")),
         (("simulate", "level-crossing", "--histories", "x.csv"), ("--histories", ".npz")),
-        (("list", "tracks"), ("KIND", "track-model", "'tracks'")),
+        (("list", "problems"), ("KIND", "'problems', did you mean 'problem'?", "track-model")),
+        (
+            ("run", "level-crossing", "--objectives", "F_mxa"),
+            ("objectives: unknown 'F_mxa', did you mean 'F_max'?", "E_rms"),
+        ),
         (("describe", "nothing"), ("unknown plugin 'nothing'; `railsearch list` has all names",)),
         (("describe", "dycor"), ("unknown plugin 'dycor', did you mean 'dycors'?", "railsearch list")),
         (("describe", "physical-programming"), ("a preference function", "docs/preferences.md")),

@@ -92,3 +92,10 @@ def test_a_bad_given_design_is_refused_by_its_number(railsearch: Cli, tmp_path: 
     words = ("run", "level-crossing", "--objectives", "F_max", "--parameters", path, "--out", tmp_path / "run")
     refused(railsearch(*words), f"{path}: {message}")
     assert not (tmp_path / "run").exists()
+
+
+def test_settings_of_a_scalariser_that_do_not_go_together_name_the_file(railsearch: Cli, tmp_path: Path) -> None:
+    path = tmp_path / "site.toml"
+    path.write_text("[scalariser.lp]\nweights = { F_max = 1.0, E_max = -1.0 }\n")
+    words = ("run", "level-crossing", "--scalarise", "lp", "--parameters", path, "--out", tmp_path / "run")
+    refused(railsearch(*words), f"{path}: scalariser.lp.weights.E_max: a weight ≥ 0 is needed, received -1.0")

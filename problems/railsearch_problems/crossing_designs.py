@@ -10,6 +10,7 @@ from railsearch.errors import InputError
 from railsearch.interfaces import Quantity, TrackModel
 from railsearch.parameters import parameter
 from railsearch.space import FloatArray, Space, Variable
+from railsearch.wording import closest
 
 TRACK_MODEL = "level-crossing"
 MEGA = 1e6
@@ -61,7 +62,7 @@ def chosen_objectives(available: Sequence[Quantity], names: Sequence[str]) -> li
     known = {quantity.name: quantity for quantity in available}
     for name in names:
         if name not in known:
-            raise InputError(f"objectives: unknown '{name}'; there are {', '.join(known)}")
+            raise InputError(f"objectives: unknown '{name}'{closest(name, list(known))}; there are {', '.join(known)}")
     if len(set(names)) != len(names):
         raise InputError(f"objectives: each may be named once, received {', '.join(names)}")
     return [known[name] for name in names]

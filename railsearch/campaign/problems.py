@@ -63,7 +63,7 @@ def read_problem(
         settings = _settings(table, site, preferences)
         _check_parts(registry, settings, table.reference_point or {}, where, faults)
         if len(faults.messages) == before:
-            with named_faults(table.scalarise, file):
+            with named_faults(table.scalarise, file, site):
                 problem = make_problem(registry, settings)
             given = (*site.given, *table.given)
             reference_point = _reference_point(problem, table.reference_point or {})

@@ -30,7 +30,7 @@ Name = Annotated[str, typer.Argument(metavar="NAME", help="Name of a plugin of a
 def list_plugins(kind: Kind = None, as_json: AsJson = False) -> None:
     """List what is installed: problems, strategies, surrogates, scalarisers, track models, commands."""
     if kind not in (None, *KINDS):
-        raise InputError(f"KIND: there are {', '.join(KINDS)}; received {kind!r}")
+        raise InputError(f"KIND: received {kind!r}{closest(kind, list(KINDS))}; there are {', '.join(KINDS)}")
     entries = load_plugins().entries(kind)
     if as_json:
         print_json([_entry_document(entry) for entry in entries])

@@ -84,7 +84,7 @@ def asked_problem(
         {**site.scalarisers.get(scalariser or "", {}), **preference_settings(registry, scalariser, preferences)},
         site.worst,
     )
-    with named_faults(scalariser, preferences):
+    with named_faults(scalariser, preferences, site):
         return Asked(make_problem(registry, settings, str(parameters or "parameters")), settings, site)
 
 
