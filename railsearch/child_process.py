@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 import warnings
 from collections.abc import Callable, Sequence
@@ -10,6 +11,8 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from typing import Any
+
+import numpy as np
 
 
 @dataclass(frozen=True)
@@ -39,7 +42,8 @@ class ChildProcess:
 class AnsweringEnd:
     """The child's end of the pipe. From now on warnings go with the answers in place of to standard error.
 
-    Ctrl-C is left to the parent, and the child ends when its parent does.
+    Ctrl-C is left to the parent, and the child ends when its parent does. NumPy's own generator, from which a model might
+    draw, is seeded anew: of one server all processes would draw the same.
     """
 
     def __init__(self, connection: Connection) -> None:
@@ -47,6 +51,7 @@ class AnsweringEnd:
         self._warned: list[str] = []
         warnings.showwarning = lambda message, *details, **more: self._warned.append(str(message))
         signal.signal(signal.SIGINT, signal.SIG_IGN)
+        np.random.seed()  # noqa: NPY002 - it is the one that is meant
         threading.Thread(target=_end_with_parent, daemon=True).start()
 
     def receive(self) -> Any:
@@ -62,10 +67,13 @@ class AnsweringEnd:
 def start_child(serve: Callable[..., None], arguments: Sequence[Any], daemon: bool) -> ChildProcess:
     """Start `serve(connection, *arguments)` in a process of its own.
 
-    daemon: whether it may have no processes of its own. Raises what pickling raises for arguments that cannot travel.
+    daemon: whether it may have no processes of its own. The module of the first `serve` is what all processes have loaded.
+    Raises what pickling raises for arguments that cannot travel.
     """
     multiprocessing.current_process().daemon = False  # a daemonic worker process may otherwise have no children
-    context = multiprocessing.get_context("spawn")
+    # Where libraries bear it, a server loads once what a process needs, and forks it in no time.
+    context = multiprocessing.get_context("forkserver") if sys.platform == "linux" else multiprocessing.get_context("spawn")
+    multiprocessing.set_forkserver_preload([serve.__module__])
     ours, theirs = context.Pipe()
     process = context.Process(target=serve, args=(theirs, *arguments), daemon=daemon)
     process.start()

@@ -72,6 +72,7 @@ def make_parameters(cls: type[P], values: Mapping[str, object], where: str) -> P
     Raises InputError for unknown and missing names, wrong types, NaN or infinity, and values outside the allowed range, all
     at once.
     """
+    check_table(values, where)
     missing = [field.name for field in _settable(cls) if _required(field) and field.name not in values]
     faults = [f"{where}: {', '.join(missing)} must be given"] if missing else []
     checked = _checked_values(cls, values, where, faults)
@@ -81,9 +82,16 @@ def make_parameters(cls: type[P], values: Mapping[str, object], where: str) -> P
 
 def amend_parameters(start: P, values: Mapping[str, object], where: str) -> P:
     """Replace fields of the frozen dataclass `start` by (nested) `values`, checked as in `make_parameters`."""
+    check_table(values, where)
     changes = _checked_values(start, values, where, [])
     with located(where):
         return dataclasses.replace(start, **changes)  # type: ignore[type-var]
+
+
+def check_table(values: object, where: str) -> None:
+    """Raise InputError unless these are values by their names."""
+    if not isinstance(values, Mapping):
+        raise InputError(f"{where}: a table of names and values is needed, received {values!r}")
 
 
 def describe_parameters(start: object, prefix: str = "") -> Iterator[Description]:

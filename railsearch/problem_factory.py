@@ -8,7 +8,7 @@ from railsearch.design_problem import DesignProblem, ScalarisedProblem
 from railsearch.errors import CapabilityError, InputError, located
 from railsearch.interfaces import Quantity, Scalariser
 from railsearch.objective_values import minimised, natural
-from railsearch.parameters import amend_parameters, make_parameters
+from railsearch.parameters import amend_parameters, check_table, make_parameters
 from railsearch.plugin_manager import Registry
 from railsearch.preferences import PreferenceParameters, quantities_of
 from railsearch.space import FloatArray
@@ -34,12 +34,12 @@ class ProblemSettings:
 def checked_sections(registry: Registry, name: str, values: Mapping[str, Any], where: str) -> dict[str, Any]:
     """The sections of a problem as parameters, `values` replacing defaults. Raises InputError."""
     defaults = registry.get("problem", name).sections(registry)
+    check_table(values, where)
     for section, value in values.items():
         if section not in defaults:
             known = ", ".join([*defaults, *GENERAL_SECTIONS])
             raise InputError(f"{where}: unknown section [{section}]; for problem {name} there are {known}")
-        if not isinstance(value, Mapping):
-            raise InputError(f"{where}.{section}: a table is needed, received {value!r}")
+        check_table(value, f"{where}.{section}")
     return {
         section: amend_parameters(start, values.get(section, {}), f"{where}.{section}")
         for section, start in defaults.items()

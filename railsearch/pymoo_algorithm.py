@@ -41,7 +41,7 @@ class StrategyAlgorithm(Algorithm):  # type: ignore[misc]
         self._registry = registry
         self._name = strategy
         self._budget = budget
-        self._settings = dict(settings or {})
+        self._settings = settings or {}
         self._given = list(given)
         self._strategy: Any = None
         self._proposals: list[Proposal] = []

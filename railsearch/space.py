@@ -55,6 +55,11 @@ class Space:
         return tuple(variable.name for variable in self.variables)
 
     @property
+    def _needed(self) -> str:
+        """What a design has to be, in words."""
+        return f"{self.dimension} values ({', '.join(self.names)})"
+
+    @property
     def dimension(self) -> int:
         """How many variables there are."""
         return len(self.variables)
@@ -95,10 +100,12 @@ class Space:
 
     def checked(self, design: ArrayLike) -> FloatArray:
         """The design (d,) as a float vector. Raises InputError naming the variable that is not allowed."""
-        vector = np.array(design, dtype=float)
+        try:
+            vector = np.array(design, dtype=float)
+        except (TypeError, ValueError):
+            raise InputError(f"design: {self._needed} are needed, received {design!r}") from None
         if vector.shape != (self.dimension,):
-            names = ", ".join(self.names)
-            raise InputError(f"design: {self.dimension} values are needed ({names}), received shape {vector.shape}")
+            raise InputError(f"design: {self._needed} are needed, received shape {vector.shape}")
         for variable, value in zip(self.variables, vector, strict=True):
             _check_value(variable, value)
         return vector + 0.0

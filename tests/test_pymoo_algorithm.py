@@ -106,6 +106,10 @@ def test_what_cannot_be_done_is_refused():
     for strange in (GA(), None, ["ga"]):
         with pytest.raises(PluginError, match="the name of one, or a class, is needed, received"):
             railsearch.algorithm(strange, 30)
+    with pytest.raises(InputError, match="strategy ga: a table of names and values is needed, received 'a'"):
+        minimize(Sphere(), railsearch.algorithm("ga", 30, settings="a"), seed=1)
+    with pytest.raises(InputError, match=r"parameters: a table of names and values is needed, received \[1\]"):
+        railsearch.problem("ackley", sections=[1])
     with pytest.raises(InputError, match="at least 20"):
         minimize(Sphere(), railsearch.algorithm("dycors", 19), seed=1)
     with pytest.raises(CapabilityError, match=r"2 \(left, right\)"):

@@ -1,4 +1,5 @@
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -55,6 +56,12 @@ def test_bad_designs_are_refused_by_name(changes: dict[str, float], words: tuple
     with pytest.raises(InputError) as caught:
         MIXED.amended(np.zeros(4), changes)
     assert all(word in str(caught.value) for word in words), str(caught.value)
+
+
+@pytest.mark.parametrize("design", [["a"], "a", None, [1.0], [[0.0, 0.0, 0.0, 0.0]], {"stiffness": 1.0}])
+def test_what_is_no_design_is_refused(design: Any) -> None:
+    with pytest.raises(InputError, match=r"^design: 4 values \(.*stiffness.*\) are needed, received "):
+        MIXED.checked(design)
 
 
 @pytest.mark.parametrize(

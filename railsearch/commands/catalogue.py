@@ -29,7 +29,7 @@ Name = Annotated[str, typer.Argument(metavar="NAME", help="Name of a plugin of a
 
 def list_plugins(kind: Kind = None, as_json: AsJson = False) -> None:
     """List what is installed: problems, strategies, surrogates, scalarisers, track models, commands."""
-    if kind not in (None, *KINDS):
+    if kind is not None and kind not in KINDS:
         raise InputError(f"KIND: received {kind!r}{closest(kind, list(KINDS))}; there are {', '.join(KINDS)}")
     entries = load_plugins().entries(kind)
     if as_json:
