@@ -97,7 +97,11 @@ def test_the_command_makes_a_record_and_goes_on(
 
     words = ("--samples", 20, "--points", 3, "--surrogates", "pce")
     # Drawing takes most of the time, and is the same for every study.
-    pictures, report = command.write_pictures, command.write_sensitivity_report
+    pictures, report, figures = command.write_pictures, command.write_sensitivity_report, command.sensitivity_figures
+    undrawn = dict.fromkeys(command.SHOWN)
+    monkeypatch.setattr(
+        command, "sensitivity_figures", lambda criterion: figures(criterion) if criterion["name"] == "U_d" else undrawn
+    )
     monkeypatch.setattr(
         command, "write_pictures", lambda out, drawn: pictures(out, {n: drawn[n] for n in drawn if "U_d" in n})
     )
@@ -117,6 +121,7 @@ def test_the_command_makes_a_record_and_goes_on(
     assert (tmp_path / "U_d-thresholds.png").exists()
     assert "Sensitivity of train-track-bridge" in (tmp_path / "U_d.html").read_text(encoding="utf-8")
     capsys.readouterr()
+    monkeypatch.setattr(command, "sensitivity_figures", lambda criterion: undrawn)
     for name in ("write_pictures", "write_sensitivity_report"):
         monkeypatch.setattr(command, name, lambda *_: None)
     assert study(command.main, tmp_path, *words) == record
