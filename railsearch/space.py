@@ -57,7 +57,7 @@ class Space:
     @property
     def _needed(self) -> str:
         """What a design has to be, in words."""
-        return f"{self.dimension} values ({', '.join(self.names)})"
+        return f"{self.dimension} values are needed ({', '.join(self.names)})"
 
     @property
     def dimension(self) -> int:
@@ -103,9 +103,9 @@ class Space:
         try:
             vector = np.array(design, dtype=float)
         except (TypeError, ValueError):
-            raise InputError(f"design: {self._needed} are needed, received {design!r}") from None
+            raise InputError(f"design: {self._needed}, received {design!r}") from None
         if vector.shape != (self.dimension,):
-            raise InputError(f"design: {self._needed} are needed, received shape {vector.shape}")
+            raise InputError(f"design: {self._needed}, received shape {vector.shape}")
         for variable, value in zip(self.variables, vector, strict=True):
             _check_value(variable, value)
         return vector + 0.0

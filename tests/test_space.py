@@ -60,7 +60,7 @@ def test_bad_designs_are_refused_by_name(changes: dict[str, float], words: tuple
 
 @pytest.mark.parametrize("design", [["a"], "a", None, [1.0], [[0.0, 0.0, 0.0, 0.0]], {"stiffness": 1.0}])
 def test_what_is_no_design_is_refused(design: Any) -> None:
-    with pytest.raises(InputError, match=r"^design: 4 values \(.*stiffness.*\) are needed, received "):
+    with pytest.raises(InputError, match=r"^design: 4 values are needed \(.*stiffness.*\), received "):
         MIXED.checked(design)
 
 
