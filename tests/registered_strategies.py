@@ -9,7 +9,7 @@ SLOW = {"ego": 25, "hypervolume-improvement": 25, "optuna-tpe": 20, "optuna-gp":
 
 SMALL_SETTINGS = {
     "ego": {"polished": 1, "tree_search_nodes": 4},
-    "fixed-surrogate": {"population_size": 20, "generations": 10, "further_generations": 5},
+    "fixed-surrogate": {"starts": 2, "population_size": 20, "generations": 10, "further_generations": 5},
     "hypervolume-improvement": {"evolution_size": 20, "evolution_generations": 8},
 }
 """Settings with which strategies do the same with less effort."""

@@ -7,11 +7,15 @@ import sqlite3
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from command_line import Answer
+
+Cli = Callable[..., Answer]
 COMMAND = (sys.executable, "-m", "railsearch")
 SHORT = "[track.geometry]\ntotal_length = 60.0\napproach_length = 30.0\n"
 SLOW = "[function]\ndimension = 4\nintegers = 2\nseconds = 0.1\ncomputing = false\n"
@@ -62,9 +66,9 @@ def sequence(out: Path) -> list[Any]:
     return [{key: row[key] for key in kept} for row in document["evaluations"]]
 
 
-def test_killed_at_random_moments_it_ends_as_if_undisturbed(tmp_path: Path) -> None:
+def test_killed_at_random_moments_it_ends_as_if_undisturbed(railsearch: Cli, tmp_path: Path) -> None:
     words = crossing(tmp_path)
-    assert started(tmp_path / "calm", words).wait() == 0
+    assert railsearch(*words, "--out", tmp_path / "calm").code == 0
     moments = random.Random(20)
     reached = []
     for evaluations in sorted(moments.sample(range(34), 5)):
@@ -94,7 +98,9 @@ def test_a_second_process_is_kept_out(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("moment", ["before the study is described", "after it"])
-def test_a_kill_around_the_making_of_the_study_leaves_a_folder_that_goes_on(tmp_path: Path, moment: str) -> None:
+def test_a_kill_around_the_making_of_the_study_leaves_a_folder_that_goes_on(
+    railsearch: Cli, tmp_path: Path, moment: str
+) -> None:
     words, out = quick(tmp_path), tmp_path / "run"
     process = started(out, words)
     while not (out / ("study.db" if moment.startswith("before") else "run.json")).exists():
@@ -102,11 +108,11 @@ def test_a_kill_around_the_making_of_the_study_leaves_a_folder_that_goes_on(tmp_
         time.sleep(0.001)
     process.kill()
     process.wait()
-    assert started(out, words).wait() == 0
+    assert railsearch(*words, "--out", out).code == 0
     assert stored(out) == 24
 
 
-def test_an_interrupted_run_says_how_to_go_on(tmp_path: Path) -> None:
+def test_an_interrupted_run_says_how_to_go_on(railsearch: Cli, tmp_path: Path) -> None:
     words, folder = quick(tmp_path, budget=40), tmp_path / "run"
     process = started(folder, words, subprocess.PIPE)
     while stored(folder) < 4:
@@ -118,5 +124,5 @@ def test_an_interrupted_run_says_how_to_go_on(tmp_path: Path) -> None:
     assert out == ""
     assert "the same command goes on" in err
     assert "Traceback" not in err
-    assert started(folder, words).wait() == 0
+    assert railsearch(*words, "--out", folder).code == 0
     assert stored(folder) == 40

@@ -31,7 +31,7 @@ class Cluster:
     def __init__(self) -> None:
         self.port = free_port()
         self.scheduler = self._program("dask_scheduler", "--host", "127.0.0.1", "--port", str(self.port))
-        self.workers = [self.worker() for _ in range(N_WORKERS)]
+        self.workers: list[subprocess.Popen[bytes]] = []
 
     @property
     def address(self) -> str:
@@ -39,6 +39,12 @@ class Cluster:
 
     def worker(self) -> "subprocess.Popen[bytes]":
         return self._program("dask_worker", self.address, "--nthreads", "1", "--no-nanny", "--death-timeout", "60")
+
+    def fill(self) -> None:
+        """Start workers in place of those that died, and wait for all of them."""
+        self.workers = [process for process in self.workers if process.poll() is None]
+        self.workers += [self.worker() for _ in range(N_WORKERS - len(self.workers))]
+        wait_until(self._filled, 60.0)
 
     def restart_scheduler(self) -> None:
         """Kill the scheduler; its workers end with it, as Dask's do; start both again."""
@@ -52,16 +58,30 @@ class Cluster:
             process.kill()
             process.wait()
 
+    def _filled(self) -> bool:
+        try:
+            with closing(DaskCluster(self.address, connect_seconds=1.0)) as client:
+                return sum(client.threads().values()) == N_WORKERS
+        except InputError:
+            return False
+
     def _program(self, name: str, *words: str) -> "subprocess.Popen[bytes]":
         line = [sys.executable, "-m", f"distributed.cli.{name}", *words, "--no-dashboard"]
         return subprocess.Popen(line, env=environment(), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
-@pytest.fixture
-def cluster() -> Iterator[Cluster]:
+@pytest.fixture(scope="module")
+def processes() -> Iterator[Cluster]:
     made = Cluster()
     yield made
     made.close()
+
+
+@pytest.fixture
+def cluster(processes: Cluster) -> Cluster:
+    """The cluster with all its workers, which have outlived another test or not."""
+    processes.fill()
+    return processes
 
 
 def test_the_campaign_ends_complete_and_equal_to_the_serial_one_whatever_dies(cluster: Cluster, tmp_path: Path) -> None:
@@ -77,7 +97,6 @@ def test_the_campaign_ends_complete_and_equal_to_the_serial_one_whatever_dies(cl
             events.append("scheduler started again")
             cluster.restart_scheduler()
 
-    wait_until(lambda: _reached(cluster), 60.0)
     assert trial.carry_out(places=DaskPlaces(DaskCluster(cluster.address)), watcher=Watcher(evaluation=disturb)) == {}
     assert len(events) == 2
     assert serial.carry_out() == {}
@@ -96,7 +115,6 @@ def test_a_worker_that_dies_is_noticed_while_the_others_go_on(cluster: Cluster, 
             killed.append(cluster.workers[0])
             cluster.workers[0].kill()
 
-    wait_until(lambda: _reached(cluster), 60.0)
     trial.carry_out(places=DaskPlaces(DaskCluster(cluster.address)), watcher=Watcher(evaluation=kill))
     assert killed
     assert {len(rows) for rows in trial.found().values()} == {trial.budget}
@@ -108,7 +126,6 @@ def test_a_batch_of_one_run_is_evaluated_by_the_workers_although_one_dies(cluste
 
     problem = Journalled(Behaviour(str(tmp_path / "journal"), seconds=0.05))
     settings = RunSettings("ga", 40, 1, batch_size=6)
-    wait_until(lambda: _reached(cluster), 60.0)
     journal = tmp_path / "journal"
 
     def kill(evaluation: Evaluation) -> None:
@@ -132,7 +149,6 @@ def test_an_address_without_a_scheduler_is_refused() -> None:
 
 
 def test_a_cluster_that_stays_without_workers_ends_the_waiting(cluster: Cluster, tmp_path: Path) -> None:
-    wait_until(lambda: _reached(cluster), 60.0)
     for worker in cluster.workers:
         worker.kill()
         worker.wait()
@@ -140,11 +156,3 @@ def test_a_cluster_that_stays_without_workers_ends_the_waiting(cluster: Cluster,
     with pytest.raises(InputError, match=r"no worker at tcp://.* for 0.5 s.*All finished evaluations are stored"):
         trial.carry_out(places=DaskPlaces(DaskCluster(cluster.address, patience=0.5, notify=told.append)))
     assert "has no workers" in told[0]
-
-
-def _reached(cluster: Cluster) -> bool:
-    try:
-        with closing(DaskCluster(cluster.address, connect_seconds=1.0)) as client:
-            return sum(client.threads().values()) == 3
-    except InputError:
-        return False
