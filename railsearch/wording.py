@@ -6,10 +6,10 @@ from typing import Any
 
 
 def readable(value: object) -> str:
-    """A number with five significant digits, a dash for nothing, anything else as it is."""
+    """A number with five significant digits, zero without a sign, a dash for nothing, anything else as it is."""
     if value is None:
         return "–"
-    return f"{value:.5g}" if isinstance(value, float) else str(value)
+    return f"{value + 0.0:.5g}" if isinstance(value, float) else str(value)
 
 
 def preference_words(row: Mapping[str, Any]) -> str:

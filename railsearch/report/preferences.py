@@ -104,8 +104,7 @@ def _mark(axes: Axes, function: PreferenceFunction, marks: Mapping[str, float]) 
         (score,) = function.score(np.array([value]))
         axes.scatter([value], [score], s=size, color=colour, marker=marker, linewidths=0, zorder=6, label=label)
         axes.annotate(
-            # A score just below zero is not to read "-0".
-            readable(float(round(score, 1)) + 0.0),
+            readable(float(round(score, 1))),
             (value, score),
             (7, 5),
             textcoords="offset points",
